@@ -219,7 +219,7 @@ def test_braking_that_the_ego_had_begun_is_not_given_up(tmp_path: Path) -> None:
     assert row["preventable_r157"] is True
 
 
-def test_somebody_who_leaves_in_time_is_spared_though_the_replay_does_not_stop_before_him(
+def test_somebody_who_leaves_in_time_is_spared_though_the_replay_does_not_stop_before_them(
     tmp_path: Path,
 ) -> None:
     """A runner is 3 cm short of having left: a little braking is enough, a stop is not needed."""

@@ -278,7 +278,7 @@ def test_who_drives_on_past_or_into_a_pedestrian_did_not_yield(
     assert row["yielded"] is False
 
 
-def test_the_waiting_of_a_pedestrian_is_his_delay(tmp_path: Path) -> None:
+def test_the_waiting_of_a_pedestrian_is_their_delay(tmp_path: Path) -> None:
     def waits(t: float) -> tuple[float, float]:
         return 32.5, -5.0 + (1.25 * t if t < 1.0 else 1.25 if t < 4.0 else 1.25 + 1.25 * (t - 4.0))
 

@@ -40,7 +40,7 @@ def test_grazing_is_contact_and_a_nanometre_further_out_is_none() -> None:
     assert time_to_contact(20.0, graze + 1e-9, -10.0, 0.0, *CAR, 0.3) == np.inf
 
 
-def test_a_walker_from_the_right_is_hit_by_the_side_when_he_reaches_the_strip() -> None:
+def test_a_walker_from_the_right_is_hit_by_the_side_when_they_reach_the_strip() -> None:
     ttc = time_to_contact(32.5, -5.0, -10.0, 1.25, *CAR, 0.25)
     assert ttc == pytest.approx(3.08, abs=1e-12)
 

@@ -56,7 +56,7 @@ def stands(t: float) -> tuple[float, float]:
     return (min(10.0 * t, 50.0) - 50.0, 0.0)
 
 
-def test_one_who_is_struck_while_he_stands_did_not_move(tmp_path: Path) -> None:
+def test_one_who_is_struck_while_they_stand_did_not_move(tmp_path: Path) -> None:
     row = only(tmp_path, Ego(line(-100, 0, 10, 0)), walker(line(-20, 0.3, 0, 0)))
     assert row["contact_moved_by"] == "ego"
     assert row["contact_class"] == "ego"
@@ -157,7 +157,9 @@ def test_one_inside_the_ego_from_the_first_sample_on(tmp_path: Path) -> None:
         (-30.0, 0.0, "crossing", "crossing"),  # the recording says so
     ],
 )
-def test_the_place_is_that_of_his_middle(tmp_path: Path, x: float, y: float, phase: str, place: str) -> None:
+def test_the_place_is_that_of_their_middle(
+    tmp_path: Path, x: float, y: float, phase: str, place: str
+) -> None:
     person = walker(line(x, y, 0, 0), crossing=":j_c0", phase=lambda t: phase)
     found = report(tmp_path, Ego(line(-100, 0, 10, 0)), person)
     assert found.encounters[0]["contact_place"] == place

@@ -65,7 +65,7 @@ def test_the_least_ttc_drawn_is_the_one_of_the_table(tmp_path: Path) -> None:
     assert time[np.nanargmin(values)] == pytest.approx(row["t_min_ttc_s"])
 
 
-def test_the_space_time_diagram_has_the_pedestrian_where_he_crosses_the_way(tmp_path: Path) -> None:
+def test_the_space_time_diagram_has_the_pedestrian_where_they_cross_the_way(tmp_path: Path) -> None:
     (axes,) = draw_space_time(choose(meeting(tmp_path / "run"), None, 1)).axes
     bold = drawn(axes, "pedestrian in the ego's path")
     inside = bold[np.isfinite(bold[:, 1])]

@@ -65,7 +65,7 @@ def test_factors_fall_from_the_best_colour_to_the_worst() -> None:
     assert [FACTORS[name] for name in COLOURS] == [1.0, 0.75, 0.5, 0.25, 0.0]
 
 
-def test_overlap_counts_from_the_side_that_he_came_from() -> None:
+def test_overlap_counts_from_the_side_that_they_came_from() -> None:
     assert impact(30.0, across=-0.45).overlap(from_left=False) == pytest.approx(0.25)
     assert impact(30.0, across=-0.45).overlap(from_left=True) == pytest.approx(0.75)
 

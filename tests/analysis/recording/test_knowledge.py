@@ -54,7 +54,7 @@ def _row(folder: Path) -> dict[str, Any]:
     return dict(row)
 
 
-def test_the_time_for_which_he_was_visible_ends_with_the_contact(tmp_path: Path) -> None:
+def test_the_time_for_which_they_were_visible_ends_with_the_contact(tmp_path: Path) -> None:
     row = _row(_run(tmp_path / "late", lambda t: t > 4.05))
     assert row["collision"]
     assert row["visible_before_conflict_s"] == pytest.approx(row["t_collision_s"] - 4.1)
@@ -82,7 +82,7 @@ def test_with_perfect_sensing_there_is_nothing_to_say(tmp_path: Path) -> None:
     assert _row(_run(tmp_path / "perfect", None))["visible_before_conflict_s"] is None
 
 
-def test_a_careful_driver_sees_with_his_own_eyes(tmp_path: Path) -> None:
+def test_a_careful_driver_sees_with_their_own_eyes(tmp_path: Path) -> None:
     told = [
         _row(_run(tmp_path / f"{since}", partial(operator.le, since - 1e-9))) for since in (0.0, 3.1, 3.5)
     ]
@@ -91,7 +91,7 @@ def test_a_careful_driver_sees_with_his_own_eyes(tmp_path: Path) -> None:
     assert {row["preventable_r157"] for row in (*told, never, perfect)} == {True}
 
 
-def test_when_he_entered_is_not_a_matter_of_sensing(tmp_path: Path) -> None:
+def test_when_they_entered_is_not_a_matter_of_sensing(tmp_path: Path) -> None:
     rows = [_row(_run(tmp_path / "a", None)), _row(_run(tmp_path / "b", lambda t: False))]
     assert rows[0]["late_entry"] == rows[1]["late_entry"]
     assert rows[0]["min_dist_m"] == rows[1]["min_dist_m"]

@@ -45,9 +45,9 @@ def _stands(gap: float, along: float = 20.0, side: float = -1.0) -> Walker:
 def test_the_distance_is_that_of_the_flank(gap: float, side: float) -> None:
     found = _beside(perception(ego(), walkers=[_stands(gap, side=side)]))
     assert found.least(1) == pytest.approx([gap])
-    at_him = (found.places + BODY.front > 20.0) & (found.places - BODY.rear_overhang < 20.0)
-    assert found.clearance[at_him, 0] == pytest.approx(gap)
-    assert (found.clearance[~at_him, 0] > gap).all()
+    at_them = (found.places + BODY.front > 20.0) & (found.places - BODY.rear_overhang < 20.0)
+    assert found.clearance[at_them, 0] == pytest.approx(gap)
+    assert (found.clearance[~at_them, 0] > gap).all()
 
 
 def test_nobody_near_is_nobody() -> None:

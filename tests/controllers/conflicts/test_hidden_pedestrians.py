@@ -183,7 +183,7 @@ def test_where_a_unit_watches_is_known_wherever_the_road_leads(across: float, co
     pace=st.floats(0.5, 3.0),
     position=st.floats(0.0, 40.0),
 )
-def test_at_the_limit_the_ego_stops_or_has_its_front_past_him(
+def test_at_the_limit_the_ego_stops_or_has_its_front_past_them(
     side: float, pace: float, position: float
 ) -> None:
     """Stepped through in time, for somebody who steps out at the worst place at any position of the ego."""

@@ -66,7 +66,7 @@ def test_somebody_behind_the_car_is_no_conflict_and_does_not_hide_who_is_ahead()
     assert len(found_among([], perception(ego(speed=0.0), walkers=[replace(behind, along=8.0)]))) == 1
 
 
-def test_somebody_who_waits_at_a_zebra_is_expected_to_cross_once_he_moves() -> None:
+def test_somebody_who_waits_at_a_zebra_is_expected_to_cross_once_they_move() -> None:
     waiting = Walker(30.0, -5.0, 0.0, 0.0, 0, waiting=True)
     assert (
         len(found_among([], on_zebra([waiting]), assume=PedestrianAssumptions(yield_to_standing=False))) == 0
@@ -86,7 +86,7 @@ def test_somebody_who_waits_where_vehicles_have_priority_is_expected_to_wait() -
     assert len(found_among([], on_zebra([waiting], CrossingKind.UNMARKED))) == 0
 
 
-def test_somebody_who_walks_to_wait_where_his_crossing_begins_in_the_lane_is_expected_there() -> None:
+def test_somebody_who_walks_to_wait_where_their_crossing_begins_in_the_lane_is_expected_there() -> None:
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.1)
     walks, stands = Walker(30.0, -5.0, 0.5, 0.5, 0, waiting=True), Walker(30.0, -5.0, 0, 0, 0, waiting=True)
     scene = perception(road=straight_road(3, 1), walkers=[walks, stands], crossings=[crossing])
@@ -98,7 +98,7 @@ def test_somebody_who_walks_to_wait_where_his_crossing_begins_in_the_lane_is_exp
     assert found_among([], there).across_speed[0] == pytest.approx(1.2)
 
 
-def test_somebody_who_walks_through_the_lane_to_where_his_crossing_begins_is_expected_to() -> None:
+def test_somebody_who_walks_through_the_lane_to_where_their_crossing_begins_is_expected_to() -> None:
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=-1.9, left=9.0)
     walks = Walker(30.0, 2.5, -1.0, -0.8, 0, waiting=True)
     found = found_among([], perception(road=straight_road(3, 1), walkers=[walks], crossings=[crossing]))
@@ -134,7 +134,7 @@ def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: boo
     assert len(found_among([], scene)) == int(green)
 
 
-def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_he_came() -> None:
+def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_they_came() -> None:
     watch = Watch()
     found_among([], on_zebra([Walker(30.0, -3.0, 0.0, 1.3, 0, True)]), watch)
     assert watch.heading == {"person0": 1.0}
@@ -245,7 +245,7 @@ def test_somebody_on_the_sidewalk_is_considered_when_the_forecast_leads_onto_the
     assert upper[TIMES == 5.0] == pytest.approx(32.4 - 1.25 - FRONT)
 
 
-def test_somebody_who_comes_back_is_let_pass_until_he_has_left_for_good() -> None:
+def test_somebody_who_comes_back_is_let_pass_until_they_have_left_for_good() -> None:
     there_and_back = _bent(
         (0.0, 30.0, -2.4), (1.0, 30.0, -1.4), (2.0, 30.0, -2.4), (3.0, 30.0, -1.4), (4.0, 30.0, -2.4)
     )

@@ -53,7 +53,7 @@ def test_the_goal_is_18_88_m_away_at_most() -> None:
     assert math.degrees(EXAMPLE.bearing) == pytest.approx(119.05, abs=0.01)
 
 
-def test_who_walks_towards_his_goal_reaches_the_other_kerb_on_the_way_to_it() -> None:
+def test_who_walks_towards_their_goal_reaches_the_other_kerb_on_the_way_to_it() -> None:
     """With the goal on the opposite kerb, the bearing leads exactly there."""
     errand = Errand(8.0, -3.0, 0.0)
     assert errand.remaining(np.array([errand.bearing]))[0] == pytest.approx(0.0, abs=1e-12)

@@ -22,7 +22,7 @@ def test_it_is_one_of_the_predictors() -> None:
     assert "direction_model" in by_name.names()
 
 
-def test_who_walks_keeps_his_direction_without_doubt() -> None:
+def test_who_walks_keeps_their_direction_without_doubt() -> None:
     seen = perception(road=ROAD, walkers=[Walker(30.0, LEFT, 0.4, -1.1)])
     forecast = by_name.build("direction_model").predict(seen, TIMES)
     np.testing.assert_allclose(forecast.along[0], 30.0 + 0.4 * TIMES)
@@ -43,7 +43,7 @@ def test_who_stands_at_a_kerb_steps_out_and_stops_at_the_other_one(kerb: float, 
     assert 0.1 < spread < 0.5
 
 
-def test_the_reach_is_the_root_mean_square_of_where_he_may_be() -> None:
+def test_the_reach_is_the_root_mean_square_of_where_they_may_be() -> None:
     model, errand = DirectionModel(), Errand(7.0)
     drawn = np.random.default_rng(3)
     best = model.most_probable(errand)

@@ -177,7 +177,7 @@ def foresight(monkeypatch: pytest.MonkeyPatch) -> Foresight:
     return give
 
 
-def test_somebody_who_will_turn_onto_the_road_is_yielded_to_before_he_turns(foresight: Foresight) -> None:
+def test_somebody_who_will_turn_onto_the_road_is_yielded_to_before_they_turn(foresight: Foresight) -> None:
     motion = _turning(54.0, -2.6, (-1.2, 0.0), (0.0, 1.3), at=2.0)
     surprised = _drive("vo_mpc", motion)
     foresight(motion)
@@ -198,7 +198,7 @@ def test_somebody_who_will_turn_away_is_not_braked_for(foresight: Foresight) -> 
 
 
 @pytest.mark.parametrize("driver", SWEEPING)
-def test_somebody_who_turns_into_the_path_is_braked_for_before_he_turns(
+def test_somebody_who_turns_into_the_path_is_braked_for_before_they_turn(
     driver: str, foresight: Foresight
 ) -> None:
     """Going straight on, the pedestrian would stay beside the ego's path."""

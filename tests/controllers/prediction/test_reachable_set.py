@@ -21,7 +21,7 @@ def _forecast(*walkers: Walker) -> Forecast:
 
 @settings(max_examples=150, deadline=None)
 @given(pace=st.floats(0.0, 3.5), course=st.floats(0.0, 6.3), seed=st.integers(0, 10_000))
-def test_nobody_leaves_it_whatever_he_does(pace: float, course: float, seed: int) -> None:
+def test_nobody_leaves_it_whatever_they_do(pace: float, course: float, seed: int) -> None:
     """Random accelerations, switched at random, cut where the pace would exceed its bound."""
     drawn = np.random.default_rng(seed)
     velocity = pace * np.array([np.cos(course), np.sin(course)])
@@ -42,7 +42,7 @@ def test_nobody_leaves_it_whatever_he_does(pace: float, course: float, seed: int
             assert off <= forecast.reach[0, k] + 1e-3
 
 
-def test_who_stands_may_be_anywhere_around_him() -> None:
+def test_who_stands_may_be_anywhere_around_them() -> None:
     """A t²/2 until V/A = 1.67 s, then V more each second."""
     forecast = _forecast(Walker(20.0, -3.0))
     np.testing.assert_allclose(forecast.along, 20.0)

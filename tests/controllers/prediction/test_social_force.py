@@ -40,7 +40,7 @@ def test_a_free_crowd_keeps_the_published_speed_and_spread_whatever_the_step() -
         assert not walked.x.any()
 
 
-def test_who_is_slower_comes_up_to_his_mean_speed_with_the_relaxation_time() -> None:
+def test_who_is_slower_comes_up_to_their_mean_speed_with_the_relaxation_time() -> None:
     walked = _walked(_crowd(4000, 0.8), 0.5, 0.05, seed=1)
     assert walked.y_speed.mean() == pytest.approx(1.25 - 0.45 * math.exp(-1.0), abs=0.005)
 

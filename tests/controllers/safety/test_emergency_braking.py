@@ -67,7 +67,7 @@ def test_a_stop_within_the_ramp_has_its_own_distance() -> None:
         (1.0, 13.0, 60.0),
     ],
 )
-def test_a_pedestrian_who_stands_in_the_path_is_not_touched_and_left_when_he_is_gone(
+def test_a_pedestrian_who_stands_in_the_path_is_not_touched_and_left_when_they_are_gone(
     distance: float, speed: float, interval: float
 ) -> None:
     def scene(state: EgoState, travelled: float) -> Perception:

@@ -100,7 +100,7 @@ def test_a_slow_ego_does_not_wait_until_somebody_has_walked_up_to_it(gap: float,
     assert checked.command.acceleration.max() <= -3.0 if brakes else checked.command.acceleration.max() == 0.0
 
 
-def test_somebody_who_may_not_enter_counts_where_he_is() -> None:
+def test_somebody_who_may_not_enter_counts_where_they_are() -> None:
     steps_out = Walker(16.0, -2.4, 0.0, 1.2)
     assert _checked(steps_out).status == SHIELDED
     assert _checked(steps_out, enters=False).status == "ok"
@@ -167,7 +167,7 @@ def test_a_first_step_onto_a_crossing_that_leads_behind_the_ego_is_no_reason_to_
 
 
 @pytest.mark.parametrize("speed", [0.0, 3.0])
-def test_somebody_who_walks_to_a_waiting_place_in_the_lane_is_braked_for_before_he_turns(
+def test_somebody_who_walks_to_a_waiting_place_in_the_lane_is_braked_for_before_they_turn(
     speed: float,
 ) -> None:
     walker = Walker(3.0, -2.6, 1.2, 0.0, crossing=0, waiting=True)

@@ -98,7 +98,7 @@ def test_people_cross_in_front_of_a_queue_of_traffic(name: str) -> None:
 @pytest.mark.parametrize(
     ("interval", "distance"), [(0.05, 60.0), (0.1, 90.0), (0.5, 60.0), (1.0, 90.0), (1.0, 60.0)]
 )
-def test_a_pedestrian_who_stands_in_the_path_is_stopped_for_and_left_when_he_is_gone(
+def test_a_pedestrian_who_stands_in_the_path_is_stopped_for_and_left_when_they_are_gone(
     name: str, distance: float, interval: float
 ) -> None:
     def scene(state: EgoState, travelled: float) -> Perception:

@@ -81,7 +81,7 @@ def test_who_has_not_begun_to_cross_or_stands_is_not_expected_to_leave(walker: W
     assert target.leaves == math.inf
 
 
-def test_who_walks_towards_the_ego_along_the_road_is_nearer_when_he_enters_its_way() -> None:
+def test_who_walks_towards_the_ego_along_the_road_is_nearer_when_they_enter_its_way() -> None:
     (target,) = _found(perception(walkers=[Walker(30.0, -3.0, -1.0, 1.0)])).targets
     assert target.gap < 30.0 - 0.25 - FRONT - 1.0
 

@@ -37,7 +37,7 @@ def standing_ahead(times: np.ndarray, distance: float) -> list[Perception]:
     return [scene(float(time), distance - SPEED * float(time), 0.0, 0.0) for time in times]
 
 
-def test_he_brakes_after_his_reaction_and_not_before() -> None:
+def test_they_brake_after_their_reaction_and_not_before() -> None:
     times = np.arange(0.0, 1.6, STEP)
     asked = commands(catalog.build("careful_driver"), standing_ahead(times, 50.0))
     begun = [time for time, value in zip(times, asked, strict=True) if value < -1.0]
@@ -72,7 +72,7 @@ def test_a_contact_that_is_far_away_is_no_risk_yet() -> None:
 
 
 @pytest.mark.parametrize(("walked", "risk"), [(0.3, False), (0.5, True)])
-def test_somebody_beside_the_path_is_a_risk_once_he_has_moved_across(walked: float, risk: bool) -> None:
+def test_somebody_beside_the_path_is_a_risk_once_they_have_moved_across(walked: float, risk: bool) -> None:
     driver = catalog.build("careful_driver", delay_s=0.0)
     speed, steps = 1.4, 5
     step = walked / speed / (steps - 1)

@@ -49,7 +49,7 @@ def test_without_a_vehicle_the_speed_stays_what_was_published() -> None:
     assert not track[:, 0].any()
 
 
-def test_who_is_slower_comes_up_to_his_mean_speed_with_the_relaxation_time() -> None:
+def test_who_is_slower_comes_up_to_their_mean_speed_with_the_relaxation_time() -> None:
     walker = Motion(0.0, 0.0, 0.0, 0.8)
     for _ in range(10):
         walker = MODEL.walk(walker, NORTH, None, 0.05, 0.0)

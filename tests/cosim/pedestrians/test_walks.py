@@ -78,7 +78,7 @@ def states(
 
 
 @pytest.mark.parametrize("step", [0.05, 0.1, 0.37, 1.0])
-def test_somebody_who_sets_off_between_two_steps_is_where_he_ought_to_be(step: float) -> None:
+def test_somebody_who_sets_off_between_two_steps_is_where_they_ought_to_be(step: float) -> None:
     # first() returns the state at that very time, so the clock of the first state is one step late here.
     who = walker(start=AtTime(2.03), speed=1.4, ramp=0.7)
     state = who.first(NOBODY)
@@ -159,7 +159,7 @@ def test_the_impact_is_where_on_the_front_it_is_asked_for(
     assert abs(state.y_speed) == pytest.approx(5 / 3.6)
 
 
-def test_a_nominal_speed_makes_him_set_off_at_a_distance_whatever_the_ego_does() -> None:
+def test_a_nominal_speed_makes_them_set_off_at_a_distance_whatever_the_ego_does() -> None:
     legs = Steady().legs(Pace(1.0), 8.0)
     start = Impact(ACROSS, 0.5, legs, speed=10.0)
     # The walk to the middle takes 4 s: the front bumper is 40.25 m away at the start.
@@ -168,7 +168,7 @@ def test_a_nominal_speed_makes_him_set_off_at_a_distance_whatever_the_ego_does()
         assert at == pytest.approx((50.0 - 40.25) / speed)
 
 
-def test_an_ego_that_is_near_enough_in_metres_or_seconds_makes_him_set_off() -> None:
+def test_an_ego_that_is_near_enough_in_metres_or_seconds_makes_them_set_off() -> None:
     scene = Scene(1.0, (ego_at(0.0, 10.0, 0.0),))
     assert EgoNear(ACROSS, distance=20.0).instant(scene, 100.0) == pytest.approx(1.0 + 3.0)
     assert EgoNear(ACROSS, arrival=3.0).instant(scene, 100.0) == pytest.approx(1.0 + 2.0)
@@ -192,7 +192,7 @@ def test_a_gap_is_accepted_when_every_vehicle_comes_late_enough_or_is_past(
     assert (start.instant(scene, 0.6) is not None) is clear
 
 
-def test_he_waits_for_red_and_for_green_but_not_for_a_signal_that_is_off() -> None:
+def test_they_wait_for_red_and_for_green_but_not_for_a_signal_that_is_off() -> None:
     red = WhileSignal(AtTime(0.0), "c", False)
     assert red.instant(Scene(1.0, green={"c": False}), 1.1) == 1.0
     assert red.instant(Scene(1.0, green={"c": True}), 1.1) is None
@@ -250,7 +250,7 @@ def test_beside_a_car_that_stands_askew_its_body_counts_and_ahead_its_way() -> N
     assert meeting.enters == pytest.approx(touches, abs=0.01)
 
 
-def test_who_hesitates_stands_where_and_as_long_as_he_is_said_to() -> None:
+def test_who_hesitates_stands_where_and_as_long_as_they_are_said_to() -> None:
     found = list(states(walker(Hesitating(3.0, 2.0), AtTime(1.0)), 0.1))
     standing = [
         time for time, state in found if state.started is not None and state.y_speed == 0.0 and state.y < 3.9
@@ -259,7 +259,7 @@ def test_who_hesitates_stands_where_and_as_long_as_he_is_said_to() -> None:
     assert len(standing) == pytest.approx(20, abs=1)
 
 
-def test_he_stays_at_the_end_and_then_is_gone() -> None:
+def test_they_stay_at_the_end_and_then_is_gone() -> None:
     found = list(states(walker(start=AtTime(1.0), length=3.0, stay=2.0), 0.1))
     assert found[-1][1].y == pytest.approx(-1.0)
     assert found[-1][0] == pytest.approx(1.0 + 3.0 + 2.0, abs=0.15)
@@ -272,7 +272,7 @@ def test_somebody_who_waits_for_an_ego_comes_into_view_when_it_is_near() -> None
     assert who.first(Scene(0.0, (ego_at(0.0, 10.0, -50.0, name="another"),))) is None
 
 
-def test_he_means_to_walk_over_the_next_metres_of_his_line_or_back() -> None:
+def test_they_mean_to_walk_over_the_next_metres_of_their_line_or_back() -> None:
     who = walker(TurningBack(after=2.0), AtTime(0.0))
     state = who.first(NOBODY)
     assert state is not None
@@ -299,7 +299,7 @@ def test_a_recording_is_replayed_linearly_and_to_the_millimetre() -> None:
 
 
 @pytest.mark.parametrize("step", [0.05, 0.1])
-def test_the_social_force_pushes_a_walker_away_from_a_car_that_stands_beside_him(step: float) -> None:
+def test_the_social_force_pushes_a_walker_away_from_a_car_that_stands_beside_them(step: float) -> None:
     who = Swerving(walker(start=AtTime(0.0), speed=1.25), seed=3)
     beside = RoadUser("car", 49.0, 0.0, 0.0, 0.0)
 
@@ -351,7 +351,7 @@ def test_a_behaviour_walks_on_the_toy_road_and_meets_the_ego_as_planned() -> Non
     assert contact == pytest.approx(-0.9 + 0.25 * 1.8, abs=0.001)
 
 
-def test_somebody_who_only_stands_is_there_as_long_as_he_stays() -> None:
+def test_somebody_who_only_stands_is_there_as_long_as_they_stay() -> None:
     found = list(states(walker(start=AtTime(0.0), length=0.0, stay=5.0), 0.1))
     assert {(state.x, state.y, state.y_speed) for _, state in found} == {(50.0, -4.0, 0.0)}
     assert found[-1][0] == pytest.approx(5.0, abs=0.11)

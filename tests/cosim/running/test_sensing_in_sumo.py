@@ -49,7 +49,7 @@ def _encounter(folder: Path) -> dict[str, str]:
     return row
 
 
-def test_the_bus_hides_him_and_a_unit_across_the_road_does_not(tmp_path: Path) -> None:
+def test_the_bus_hides_them_and_a_unit_across_the_road_does_not(tmp_path: Path) -> None:
     rows, tables = {}, {}
     for model in ("onboard", "roadside", "fused"):
         folder = _run(tmp_path / model, *FIRST_STOP, "--sensing", model)
@@ -73,7 +73,7 @@ def test_the_bus_hides_him_and_a_unit_across_the_road_does_not(tmp_path: Path) -
     assert tables["roadside"][tables["roadside"].told].error_m.median() < 0.6
 
 
-def test_nothing_hides_him_when_nothing_stands_there(tmp_path: Path) -> None:
+def test_nothing_hides_them_when_nothing_stands_there(tmp_path: Path) -> None:
     flags = (*FIRST_STOP, "--sensing", "onboard", "--set", "miss_probability=0", "--set", "hidden_by=nothing")
     table = _sensing(_run(tmp_path / "run", *flags))
     assert "hidden" not in set(table.state)

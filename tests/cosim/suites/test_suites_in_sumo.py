@@ -134,20 +134,20 @@ def assert_beside(case: Case, measured: Measured, recorded: RecordedRun) -> None
 
 
 @pytest.mark.parametrize("reference", SOME)
-def test_he_is_hit_where_the_protocol_says(reference: str, steadily: Callable[[str], Path]) -> None:
+def test_they_are_hit_where_the_protocol_says(reference: str, steadily: Callable[[str], Path]) -> None:
     (case,) = cases(reference)
     assert_geometry(case, steadily(reference))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", names())
-def test_he_is_hit_where_the_protocol_says_in_every_case(name: str, tmp_path: Path) -> None:
+def test_they_are_hit_where_the_protocol_says_in_every_case(name: str, tmp_path: Path) -> None:
     for case in cases(name):
         driven(case, tmp_path / case.name)
         assert_geometry(case, tmp_path / case.name)
 
 
-def test_parked_cars_stand_one_metre_beside_the_ego_and_before_him(steadily: Callable[[str], Path]) -> None:
+def test_parked_cars_stand_one_metre_beside_the_ego_and_before_them(steadily: Callable[[str], Path]) -> None:
     (case,) = cases(OBSTRUCTED)
     recorded = read_run(steadily(OBSTRUCTED))
     cars = recorded.neighbours.texts["object_kind"].equal("vehicle")

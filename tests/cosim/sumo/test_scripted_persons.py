@@ -157,7 +157,7 @@ def test_a_car_of_sumos_lets_a_scripted_pedestrian_go_first_at_a_zebra(scenes: A
     assert seen.fronts[-1] > 160.0
 
 
-def test_at_a_crossing_where_he_has_to_wait_they_do_not(tmp_path: Path, unmarked_file: Path) -> None:
+def test_at_a_crossing_where_they_have_to_wait_they_do_not(tmp_path: Path, unmarked_file: Path) -> None:
     row = {
         "name": "patient", "kind": "crossing", "crossing": ":m_c0", "side": "first", "speed_mps": 1.3,
         "start": {"time_s": 5.0, "accepted_gap_s": 8.0},

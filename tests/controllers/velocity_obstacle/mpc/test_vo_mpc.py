@@ -42,7 +42,7 @@ def test_it_yields_to_somebody_who_crosses_and_then_goes_on(side: float) -> None
     assert _solved(record) > 0.98
 
 
-def test_it_goes_ahead_of_somebody_who_comes_late_and_does_not_brake_for_him() -> None:
+def test_it_goes_ahead_of_somebody_who_comes_late_and_does_not_brake_for_them() -> None:
     record = ride(ONE_LANE, [walk(62.0, -9.5, 0.0, 1.2)])
     assert record.clearance() > 1.0
     assert record.arrival(70.0) < 6.0

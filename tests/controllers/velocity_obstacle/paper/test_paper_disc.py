@@ -49,7 +49,7 @@ def _gaps(record: Ride) -> tuple[FloatArray, FloatArray]:
 
 @pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
 @pytest.mark.parametrize("steps", [LONG, FINE])
-def test_a_car_touches_somebody_before_he_is_in_the_papers_disc(
+def test_a_car_touches_somebody_before_they_are_in_the_papers_disc(
     pedestrian: tuple[float, float], steps: str
 ) -> None:
     record = _crossing(pedestrian, steps)
@@ -62,7 +62,7 @@ def test_a_car_touches_somebody_before_he_is_in_the_papers_disc(
 
 
 @pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
-def test_a_disc_that_holds_the_car_keeps_it_off_him(pedestrian: tuple[float, float]) -> None:
+def test_a_disc_that_holds_the_car_keeps_it_off_them(pedestrian: tuple[float, float]) -> None:
     record = _crossing(pedestrian, FINE, disc=2.75)
     assert record.clearance() > 0.1
     assert record.track[2][-1] > 0.9 * SPEED
