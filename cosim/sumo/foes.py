@@ -29,8 +29,6 @@ CLEARANCE = 2.0
 """Ways nearer to each other than this are in conflict: a car's width plus 0.2 m [m]."""
 AWAY = 1.0
 """An ego whose way meets others before the end of its lane stops this far before it does [m]."""
-SAMPLE = WAY_SPACING
-"""Spacing of the points at which the distance between ways is measured [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,12 +211,12 @@ class FoeFinder:
         other, begins = self._sampled(foe), 0.0
         close = scipy.spatial.distance.cdist(own, other) < CLEARANCE
         own_hits = np.flatnonzero(close.any(axis=1))
-        reached = SAMPLE * own_hits
+        reached = WAY_SPACING * own_hits
         if drawn is not None:
             # The front bumper of a car that turns round is far beside the way of its rear axle.
             close_ahead = scipy.spatial.distance.cdist(drawn.ahead, other) < CLEARANCE
             ahead_hits = np.flatnonzero(close_ahead.any(axis=1))
-            reached = np.append(reached, SAMPLE * ahead_hits + drawn.front)
+            reached = np.append(reached, WAY_SPACING * ahead_hits + drawn.front)
             own_hits, close, begins = np.append(own_hits, ahead_hits), close | close_ahead, drawn.begins
         if not close.any():
             return None
@@ -227,9 +225,9 @@ class FoeFinder:
             foe,
             must_yield,
             begins + float(reached.min()),
-            begins + SAMPLE * float(own_hits.max()),
-            SAMPLE * float(other_hits[0]),
-            SAMPLE * float(other_hits[-1]),
+            begins + WAY_SPACING * float(own_hits.max()),
+            WAY_SPACING * float(other_hits[0]),
+            WAY_SPACING * float(other_hits[-1]),
             foe_range(self._network.lanes[foe.source].speed),
         )
 
@@ -237,7 +235,7 @@ class FoeFinder:
         shapes = [self._network.lanes[name].shape for name in connection.via]
         line = np.concatenate(shapes)
         stations = arc_lengths(line)
-        grid = np.arange(0.0, stations[-1] + SAMPLE, SAMPLE)
+        grid = np.arange(0.0, stations[-1] + WAY_SPACING, WAY_SPACING)
         return np.column_stack([np.interp(grid, stations, line[:, axis]) for axis in (0, 1)])
 
 

@@ -12,6 +12,9 @@ import numpy as np
 from controllers.interface import CrossingKind
 from cosim.arrays import FloatArray
 
+CAR = "passenger"
+"""Vehicle class whose lanes are roads: limits of railways are far above the speed of trams on them."""
+
 
 @dataclass(frozen=True, slots=True)
 class Permissions:
@@ -213,6 +216,24 @@ class Network:
         return [
             (other, known.get(other.via[-1], True)) for other in others if other.source != connection.source
         ]
+
+    @cached_property
+    def fastest_crossed(self) -> float:
+        """Highest speed limit of a car lane that a crossing leads over; 0 if there is none [m/s]."""
+        crossed = (lane.speed for one in self.crossings.values() for lane in self.lanes_over(one, CAR))
+        return max(crossed, default=0.0)
+
+    @cached_property
+    def fastest_with_priority(self) -> float:
+        """Highest speed limit of a car lane from which vehicles go first; 0 if there is none [m/s]."""
+        sources = (
+            self.lanes[foe.source]
+            for group in self.connections.values()
+            for connection in group
+            for foe, yields in self.foes(connection)
+            if yields
+        )
+        return max((lane.speed for lane in sources if lane.permissions.allows(CAR)), default=0.0)
 
     def passable(self, connection: Connection, vehicle_class: str) -> bool:
         """Return whether that class may drive a connection, its internal lanes and its target."""

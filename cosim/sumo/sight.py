@@ -18,10 +18,6 @@ IN_TIME = 8.5
 """The ego sees vehicles this long before they reach its way: most junctions are cleared sooner [s]."""
 
 
-CARS = "passenger"
-"""Only lanes for this class count: limits of railways are far above the speed of the trams on them."""
-
-
 class Sight(NamedTuple):
     """How far all egos on a network look around themselves [m]."""
 
@@ -31,21 +27,8 @@ class Sight(NamedTuple):
 
 def sight(network: Network) -> Sight:
     """Return how far egos look, given the fastest roads that people cross and on which vehicles go first."""
-    crossed = (
-        network.lanes[lane].speed
-        for crossing in network.crossings.values()
-        for edge in crossing.edges & network.edges.keys()
-        for lane in network.edges[edge]
-    )
-    go_first = (
-        network.lanes[foe.source].speed
-        for group in network.connections.values()
-        for connection in group
-        for foe, yields in network.foes(connection)
-        if yields and network.lanes[foe.source].permissions.allows(CARS)
-    )
-    persons = max(PERSONS, _stop(max(crossed, default=0.0)))
-    return Sight(persons, foe_range(max(go_first, default=0.0)))
+    persons = max(PERSONS, _stop(network.fastest_crossed))
+    return Sight(persons, foe_range(network.fastest_with_priority))
 
 
 def foe_range(speed: float) -> float:

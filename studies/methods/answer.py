@@ -56,7 +56,7 @@ def sentences(
 
 
 def _size(study: Study, fewest: int, planned: int) -> str:
-    of_each = Counter(one for one, _ in {(run.condition_id, run.seed) for run in study.runs}).values()
+    of_each = seeds_of(study).values()
     fewest_seeds, most_seeds = min(of_each, default=0), max(of_each, default=0)
     seeds = f"{most_seeds} seed{'s' if most_seeds > 1 else ''}"
     seeds = seeds if fewest_seeds == most_seeds else f"{fewest_seeds} to {seeds} each"
@@ -68,6 +68,11 @@ def _size(study: Study, fewest: int, planned: int) -> str:
         f"**How much was run.** {run[0].upper()}{run[1:]}: {conditions}, {seeds}; the smallest cell "
         f"has {fewest} encounters{enough}."
     )
+
+
+def seeds_of(study: Study) -> Counter[str]:
+    """Return the number of seeds of each condition, by its id."""
+    return Counter(condition for condition, _ in {(run.condition_id, run.seed) for run in study.runs})
 
 
 def counted(run: int, planned: int) -> str:

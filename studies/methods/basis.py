@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from analysis.markdown import table
 from analysis.study.design import Condition, Study
-from studies.methods.answer import ENOUGH, counted
+from studies.methods.answer import ENOUGH, counted, seeds_of
 from studies.methods.rows import Row, title
 
 
@@ -51,7 +50,7 @@ def _code(study: Study) -> str:
 
 
 def _conditions(study: Study, rows_of: Mapping[Condition, Sequence[Row]]) -> list[list[str]]:
-    seeds = Counter(one for one, _ in {(run.condition_id, run.seed) for run in study.runs})
+    seeds = seeds_of(study)
     return [
         [
             title(study, one),
