@@ -40,6 +40,7 @@ from controllers.safety.vehicle_boxes import (
     beside_in_lane,
     crossing_vehicles,
     oncoming_vehicles,
+    outside_the_bend,
     standing_vehicles,
 )
 from controllers.safety.way_out import NEARER, PATIENCE, WayOut
@@ -205,16 +206,18 @@ def _near(perception: Perception) -> NDArray[np.intp]:
 def _vehicles(perception: Perception, times: FloatArray, starts: bool) -> Iterator[Boxes]:
     """Yield the vehicles that the body may not touch: those that stand, and some of those under way.
 
-    In a tight bend the body leaves its lane, so that it comes near oncoming vehicles, and it turns across the
-    way of cyclists and others beside it in the lane.
+    In a tight bend the body leaves its lane, so that it comes near oncoming vehicles and those that pass on
+    the outer side, and it turns across the way of cyclists and others beside it in the lane.
     """
     yield standing_vehicles(perception)
     if starts:
         yield crossing_vehicles(perception, times)
     road = perception.road
     near = road.curvature[: int(BENDS_WITHIN / road.curvature_step)]
-    if np.abs(near).max(initial=0.0) > TIGHT:
+    tightest = near[np.abs(near).argmax()] if len(near) else 0.0
+    if abs(tightest) > TIGHT:
         yield beside_in_lane(perception, times)
+        yield outside_the_bend(perception, times, -np.sign(tightest))
         if not starts:
             yield oncoming_vehicles(perception, times)
 

@@ -15,7 +15,8 @@ STANDING = 0.5
 """Below this speed, a vehicle counts as standing [m/s]."""
 NEAR, NEAR_DRIVING = 15.0, 35.0
 """Vehicles of which every part is farther than this from the ego's middle do not count. The second value is
-for oncoming vehicles and for those that drive wherever they will be, the first for all others [m]."""
+for oncoming vehicles, for those outside a bend, and for those that drive wherever they will be, the first for
+all others [m]."""
 ONCOMING = np.deg2rad(150.0)
 """Vehicles whose heading differs by more than this from that of the lane come towards the ego [rad]."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
@@ -60,6 +61,26 @@ def beside_in_lane(perception: Perception, times: FloatArray) -> Boxes:
     aside = (box.left < ego.across - half) | (box.right > ego.across + half)
     aside &= np.abs(them.across - lane.offset) < 0.5 * lane.width
     who = _near(perception, NEAR) & ~_stand(perception) & box.same_way & aside
+    return _straight_on(perception, who, times)
+
+
+def outside_the_bend(perception: Perception, times: FloatArray, side: float) -> Boxes:
+    """Return the vehicles that drive past on the outer side of a bend, straight on, at K instants [s].
+
+    Those in the ego's lane and those that come towards it do not count.
+
+    Parameters
+    ----------
+    perception : what the ego is told
+    times : the instants, shape (K,) [s]
+    side : 1 if the outer side is the left one, -1 if it is the right one
+    """
+    them, lane = perception.vehicles, perception.road.lane(perception.road.reference)
+    if lane is None:
+        return Boxes(*np.empty((5, 0)))
+    outside = side * (them.across - lane.offset) > 0.5 * lane.width
+    comes = np.abs(them.heading_error) > ONCOMING
+    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & outside & ~comes
     return _straight_on(perception, who, times)
 
 

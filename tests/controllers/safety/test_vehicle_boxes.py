@@ -134,6 +134,20 @@ def test_an_ego_that_turns_lets_a_cyclist_beside_it_in_its_lane_ride_on(
     assert check.checked(seen, keeps(4.0), NOBODY).status == status
 
 
+@pytest.mark.parametrize(
+    ("across", "speed", "status"),
+    [(3.2, 13.0, SHIELDED), (3.2, 3.0, "ok"), (5.2, 13.0, "ok"), (-3.2, 13.0, "ok")],
+)
+def test_an_ego_that_swings_out_of_a_bend_lets_a_vehicle_pass_on_the_outer_side(
+    across: float, speed: float, status: str
+) -> None:
+    """Not one that comes too late, drives farther out, or drives on the inner side."""
+    road = bend(straight_road(), 0.0, -6.0, 2.0)  # the end of a turn, for which the ego has swung wide
+    passes = Car(-4.0, across, along_speed=speed, heading_error=-0.33)
+    seen = perception(ego(speed=1.2, across=0.6, heading_error=0.2), road, cars=[passes])
+    assert LastCheck().checked(seen, keeps(1.2), NOBODY).status == status
+
+
 def test_on_a_straight_road_nothing_is_worked_out_for_vehicles_that_come_beside() -> None:
     seen = perception(ego(speed=4.0), cars=[Car(14.0, 1.5, along_speed=-4.0, heading_error=np.pi)])
     assert LastCheck().checked(seen, keeps(4.0), NOBODY).status == "ok"
