@@ -96,6 +96,7 @@ def find(
     farthest: float,
     beyond: float = 0.0,
     off: Obstacles | None = None,
+    shortest: float = SHORTEST,
 ) -> FloatArray | None:
     """Return the steering angles of the cheapest way, one per arc, shape (k,) [rad]; ``None`` for no way.
 
@@ -111,6 +112,8 @@ def find(
         How much farther beside its lane the ego may get than where SUMO has a place for it [m].
     off
         If given, a shorter way is enough if the body is clear of these obstacles at its end.
+    shortest
+        Least length of any other way [m].
     """
     ego = perception.ego
     space = _space(perception, obstacles, beyond)
@@ -123,7 +126,7 @@ def find(
             break
         tree.append(onward)
     ends = tree[-1].cost
-    if (len(tree) - 1) * ARC < SHORTEST:
+    if (len(tree) - 1) * ARC < shortest:
         if off is None or (len(tree) - 1) * ARC < SHORTEST_OFF:
             return None
         last = tree[-1]

@@ -25,8 +25,8 @@ from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 PATIENCE = 4.0
 """Time for which an ego that is kept from starting waits [s]."""
 LAST_RESORT, BEYOND = 20.0, 1.5
-"""After this waiting time, a way may lead this much farther beside the lane, where SUMO has no place for an
-ego [s, m]."""
+"""After this waiting time, a way may end on a crossing, and lead this much farther beside the lane, where
+SUMO has no place for an ego [s, m]."""
 LET_GO = 1.0
 """The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
@@ -149,7 +149,8 @@ class WayOut:
     ) -> None:
         """Keep the way as long as it is free, else look for another, with the wider distances first.
 
-        If somebody leans on the ego, a way that only leads away from them is enough.
+        If somebody leans on the ego, a way that only leads away from them is enough. An ego that stands
+        before a crossing first waits for a way that leads over it: on it, more people would wait for it.
         """
         vehicles, time = _vehicles(perception), perception.ego.time
         near = _obstacles(people, kept, vehicles)
@@ -160,14 +161,25 @@ class WayOut:
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
             far = _obstacles(people, wide, vehicles)
-            last_resort = [(near, BEYOND)] if self.waited(time) > LAST_RESORT else []
+            waited_long = self.waited(time) > LAST_RESORT
+            last_resort = [(near, BEYOND)] if waited_long else []
+            over = not waited_long and _before_a_crossing(perception)
+            shortest = free_way.REACH if over else free_way.SHORTEST
             for obstacles, self._beyond in ((far, 0.0), (near, 0.0), *last_resort):
-                self._way = free_way.find(perception, obstacles, farthest, self._beyond)
+                self._way = free_way.find(perception, obstacles, farthest, self._beyond, shortest=shortest)
                 if self._way is not None:
                     return
             if leant_on:
                 apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
                 self._way = free_way.find(perception, near, farthest, self._beyond, apart)
+
+
+def _before_a_crossing(perception: Perception) -> bool:
+    """Return whether the ego stands clear of all crossings, and would come to one on a way out."""
+    front, rear = perception.ego.body.front, -perception.ego.body.rear_overhang
+    crossings = perception.road.crossings
+    on_one = any(one.entry < front and one.exit > rear for one in crossings)
+    return not on_one and any(front <= one.entry < front + free_way.REACH for one in crossings)
 
 
 def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:

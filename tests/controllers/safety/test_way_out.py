@@ -11,7 +11,7 @@ from controllers import catalog
 from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
-from controllers.interface import Body, Perception, Plan
+from controllers.interface import Body, Crossing, Perception, Plan
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
@@ -150,11 +150,14 @@ def _held(
     cars: Sequence[Car] = (),
     room: float = np.inf,
     stuck: bool = True,
+    crossings: Sequence[Crossing] = (),
 ) -> list[Plan]:
     """Return what the last check makes of an ego that stands for so long."""
     check, plans = LastCheck(), []
     for tick in range(int(10.0 * seconds)):
-        seen: Perception = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), walkers, cars)
+        seen: Perception = perception(
+            ego(speed=0.0, time=0.1 * tick), straight_road(2), walkers, cars, crossings=crossings
+        )
         plans.append(check.checked(seen, keeps(2.0), np.zeros(len(walkers), bool), None, stuck, room))
     return plans
 
@@ -176,6 +179,18 @@ def test_it_is_taken_after_a_while() -> None:
 def test_the_lane_is_left_for_the_pavement_as_a_last_resort_only() -> None:
     statuses = [plan.status for plan in _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0)]
     assert WAY_OUT not in statuses[: int(10 * LAST_RESORT)]
+    assert statuses[-1] == WAY_OUT
+
+
+@pytest.mark.parametrize(("begins", "soon"), [(BODY.front + 0.5, False), (-1.0, True), (40.0, True)])
+def test_before_a_crossing_a_way_that_does_not_lead_over_it_is_the_last_resort(
+    begins: float, soon: bool
+) -> None:
+    """On a crossing, or far from any, such a way is taken as soon as others."""
+    across = Car(14.0, 0.0, heading_error=0.5 * np.pi, length=6.0)
+    held = _held([AT_THE_CORNER], LAST_RESORT + 2.0, [across], crossings=[zebra(begins)])
+    statuses = [plan.status for plan in held]
+    assert (WAY_OUT in statuses[: int(10 * LAST_RESORT)]) == soon
     assert statuses[-1] == WAY_OUT
 
 
