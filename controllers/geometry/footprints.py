@@ -13,6 +13,8 @@ from controllers.interface import Vehicles
 
 ALONG_THE_LANE = np.deg2rad(60.0)
 """Vehicles whose heading differs by less drive along the ego's lane; others cross or are oncoming [rad]."""
+ONCOMING = np.deg2rad(150.0)
+"""Vehicles whose heading differs by more than this from that of the lane come towards the ego [rad]."""
 
 
 class Footprints(NamedTuple):
@@ -23,6 +25,7 @@ class Footprints(NamedTuple):
     right: FloatArray
     left: FloatArray
     same_way: NDArray[np.bool_]
+    oncoming: NDArray[np.bool_]
 
 
 @remembered
@@ -38,4 +41,5 @@ def footprints(vehicles: Vehicles) -> Footprints:
         vehicles.across - half_across,
         vehicles.across + half_across,
         np.abs(vehicles.heading_error) < ALONG_THE_LANE,
+        np.abs(vehicles.heading_error) > ONCOMING,
     )

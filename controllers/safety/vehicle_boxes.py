@@ -17,8 +17,6 @@ NEAR, NEAR_DRIVING = 15.0, 35.0
 """Vehicles of which every part is farther than this from the ego's middle do not count. The second value is
 for oncoming vehicles, for those outside a bend, and for those that drive wherever they will be, the first for
 all others [m]."""
-ONCOMING = np.deg2rad(150.0)
-"""Vehicles whose heading differs by more than this from that of the lane come towards the ego [rad]."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
 """Instants at which driving vehicles are considered [s]."""
 
@@ -79,8 +77,7 @@ def outside_the_bend(perception: Perception, times: FloatArray, side: float) -> 
     if lane is None:
         return Boxes(*np.empty((5, 0)))
     outside = side * (them.across - lane.offset) > 0.5 * lane.width
-    comes = np.abs(them.heading_error) > ONCOMING
-    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & outside & ~comes
+    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & outside & ~footprints(them).oncoming
     return _straight_on(perception, who, times)
 
 
@@ -90,8 +87,8 @@ def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
     They are assumed to keep their lane, also in bends.
     """
     them = perception.vehicles
-    towards = np.abs(them.heading_error) > ONCOMING
-    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & towards & (them.along > 0.0)
+    towards = footprints(them).oncoming & (them.along > 0.0)
+    who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & towards
     count = int(who.sum())
     if not count:
         return Boxes(*np.empty((5, 0)))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
 from controllers.driving.lanes.vehicles_jutting_in import jutting_in, standing_beside
+from controllers.driving.standing import standing
 from controllers.geometry.footprints import footprints
 from controllers.geometry.swing import farthest_out
 from controllers.interface import EgoState, Lane, Perception
@@ -105,7 +106,7 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
         who = _passed(perception, way, stays, aside)
         beside, gap = np.concatenate((beside, who[0])), np.concatenate((gap, who[1]))
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
-    to_right, to_left = _to_vehicles(perception, lane, half)
+    to_right, to_left = _to_vehicles(perception, lane, way)
     from_right = _wanted(gap[beside < 0.0], room, to_left)
     from_left = _wanted(gap[beside > 0.0], room, to_right)
     if from_right > 0.0 and from_left > 0.0:
@@ -148,12 +149,24 @@ def _wanted(gap: FloatArray, room: float, free: float) -> float:
     return max(min(WANTED - least, room, free), min(ENOUGH - least, free))
 
 
-def _to_vehicles(perception: Perception, lane: Lane, half: float) -> tuple[float, float]:
-    """Return how far the body may move to the right and to the left before it gets too near vehicles [m]."""
-    box = footprints(perception.vehicles)
+def _to_vehicles(perception: Perception, lane: Lane, way: FloatArray) -> tuple[float, float]:
+    """Return how far the body may move to the right and to the left before it gets too near vehicles [m].
+
+    Of vehicles that stand or come towards the ego, the distance on the true curve of the road counts too: in
+    a bend, the front swings out towards them.
+
+    Parameters
+    ----------
+    perception, lane : as for :func:`look`
+    way : as for :func:`controllers.driving.lanes.vehicles_jutting_in.jutting_in`
+    """
+    box, half = footprints(perception.vehicles), 0.5 * perception.ego.body.width
     near = (box.front > -BESIDE) & (box.rear < LOOK_AHEAD)
-    left = box.right[near & (box.right > lane.offset)].min(initial=np.inf)
-    right = box.left[near & (box.left < lane.offset)].max(initial=-np.inf)
-    to_left = left - lane.offset - half - TO_VEHICLES
-    to_right = lane.offset - right - half - TO_VEHICLES
+    on_left, on_right = near & (box.right > lane.offset), near & (box.left < lane.offset)
+    left = box.right[on_left].min(initial=np.inf) - lane.offset - half
+    right = lane.offset - box.left[on_right].max(initial=-np.inf) - half
+    met = standing(perception.vehicles) | box.oncoming
+    side, gap = jutting_in(perception, lane, met & (on_left | on_right), way)
+    to_left = min(left, gap[side > 0.0].min(initial=np.inf)) - TO_VEHICLES
+    to_right = min(right, gap[side < 0.0].min(initial=np.inf)) - TO_VEHICLES
     return max(to_right, 0.0), max(to_left, 0.0)
