@@ -13,7 +13,7 @@ import numpy as np
 from controllers.arrays import BoolArray
 from controllers.driving.standing import StoodSince, standing
 from controllers.geometry.footprints import Footprints, footprints
-from controllers.interface import Lane, Perception
+from controllers.interface import Perception
 
 PATIENCE, LONG_PATIENCE = 5.0, 15.0
 """A vehicle that has stood for this long is taken to wait for the ego: the first value applies if nothing
@@ -45,16 +45,15 @@ class WaitingForTheEgo:
         return waits
 
 
-def in_queue(perception: Perception, lane: Lane | None) -> BoolArray:
+def in_queue(perception: Perception, centre: float) -> BoolArray:
     """Return which vehicles are in the middle of a lane, so that a driver in it queues with them, shape (n,).
 
     Parameters
     ----------
     perception : what the ego is told
-    lane : ``None`` for the reference lane
+    centre : across coordinate of the lane's centre line, wherever in the lane the ego wants to drive [m]
     """
-    offset = lane.offset if lane is not None else 0.0
-    return np.asarray(np.abs(perception.vehicles.across - offset) <= IN_THE_LANE)
+    return np.asarray(np.abs(perception.vehicles.across - centre) <= IN_THE_LANE)
 
 
 def _explained(perception: Perception, box: Footprints, i: int) -> bool:

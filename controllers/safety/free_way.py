@@ -32,7 +32,7 @@ IN_LANE = 0.1
 KEPT = 400
 """Number of ways that are followed at a time [-]."""
 DRIFT = 0.03
-"""When a way is driven, it may come nearer to obstacles than planned by this much [m]."""
+"""When a way is driven, it may come nearer to obstacles than planned by this much, see ``drifted`` [m]."""
 CELL, CELL_TURNED = 0.2, 0.05
 """Size of the cells in which poses count as the same [m, rad]."""
 OFF_LANE, TURNED, STEERED = 1.0, 2.0, 0.1
@@ -52,10 +52,6 @@ class Obstacles(NamedTuple):
     boxes: Boxes
     kept_to_boxes: FloatArray
     """Distance kept to each box, shape (v,) [m]."""
-
-    def nearer(self, by: float) -> Obstacles:
-        """Return the same obstacles with the distances kept reduced [m]."""
-        return self._replace(kept=self.kept - by, kept_to_boxes=self.kept_to_boxes - by)
 
 
 class _Line(NamedTuple):
@@ -147,18 +143,33 @@ def leads_on(
 
     Parameters
     ----------
-    perception, obstacles, beyond : as for :func:`find`
+    perception, beyond : as for :func:`find`
+    obstacles : obstacles, with the distances kept while the way is driven (:func:`drifted`)
     way : steering angles of the way, shape (k,) [rad]
     done : length that has been driven already [m]
     """
     at = _start(perception.ego)
-    space = _space(perception, obstacles.nearer(DRIFT), beyond + DRIFT)
+    space = _space(perception, obstacles, beyond + DRIFT)
     for number in range(int(done / ARC), len(way)):
         length = min(ARC, (number + 1) * ARC - done)
         at = _driven(space, at, way[number : number + 1], length)
         if not len(at.x):
             return False
     return True
+
+
+def drifted(kept: FloatArray, least: float) -> FloatArray:
+    """Return the distances kept while a way is driven, given those with which it was found, shape (n,) [m].
+
+    They are reduced by ``DRIFT``, but not below ``least``: every search starts from the distances of then, so
+    that the ego would come nearer from search to search until it touches somebody. Those who touch it already
+    are left out of this: the ego can only get away from them.
+
+    >>> drifted(np.array([0.1, 0.02, -0.2]), 0.01).round(2).tolist()
+    [0.07, 0.01, -0.23]
+    """
+    apart = np.maximum(kept - DRIFT, np.minimum(kept, least))
+    return np.where(kept > 0.0, apart, kept - DRIFT)
 
 
 class _Space(NamedTuple):

@@ -38,6 +38,8 @@ TO_PEOPLE = (0.1, 0.02)
 """Distance kept to people who stand, and the smaller one used if there is no way with the first [m]."""
 TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
 """Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
+STILL_APART = (0.005, 0.03)
+"""Least distances to people and to vehicles on a way that is driven less exactly than planned [m]."""
 INSTANTS = 10
 """One in this many instants of a rollout is considered [-]."""
 NEARER = 0.002
@@ -156,7 +158,8 @@ class WayOut:
         near = _obstacles(people, kept, vehicles)
         way, done, self._way = self._way, self._driven, None
         under_way = way is not None and done < (len(way) - 1) * free_way.ARC
-        if way is not None and under_way and free_way.leads_on(perception, near, way, done, self._beyond):
+        still = _obstacles(people, *_drifted(kept, vehicles))
+        if way is not None and under_way and free_way.leads_on(perception, still, way, done, self._beyond):
             self._way = way
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
@@ -188,6 +191,15 @@ def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArra
     return Obstacles(x.ravel(), y.ravel(), (reach + kept[:, None]).ravel(), *vehicles)
 
 
+def _drifted(
+    kept: FloatArray, vehicles: tuple[Boxes, FloatArray]
+) -> tuple[FloatArray, tuple[Boxes, FloatArray]]:
+    """Return the distances to people and the vehicles with theirs, as they are kept while a way is driven."""
+    to_people, to_vehicles = STILL_APART
+    boxes, kept_to_boxes = vehicles
+    return free_way.drifted(kept, to_people), (boxes, free_way.drifted(kept_to_boxes, to_vehicles))
+
+
 def _vehicles(perception: Perception) -> tuple[Boxes, FloatArray]:
     """Return standing vehicles, driving ones wherever they will be, and the distances kept to them [m]."""
     stand, drive = standing_vehicles(perception), driving_vehicles(perception)
@@ -209,7 +221,7 @@ def _towards(
     ego = perception.ego
     x, y, heading = _rolled(perception, angle, times)
     clearance = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius)
-    meets = (clearance[:CHECKED, 0] < kept - free_way.DRIFT).any()
+    meets = (clearance[:CHECKED, 0] < free_way.drifted(kept, STILL_APART[0])).any()
     meets |= (clearance[:CHECKED_WALKERS, 0, walks] < kept[walks]).any()
     turning = abs(ego.steering - angle) > TURNED
     wanted = 0.0 if meets or turning else speed

@@ -64,6 +64,8 @@ class SpeedTasks:
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
     _watched: WaitingForTheEgo = field(default_factory=WaitingForTheEgo)
     _wait_for_the_ego: BoolArray = field(init=False)
+    _centres: dict[int, float] = field(default_factory=dict)
+    """Across coordinates of the lanes' centre lines, by number; plans may be based on others [m]."""
     _no_lower_bound: FloatArray = field(init=False)
     _demands: FloatArray = field(init=False)
     # Lateral acceleration in bends and deceleration before them, for the wanted speed and for the ceiling.
@@ -82,6 +84,7 @@ class SpeedTasks:
         else:
             self._watched = WaitingForTheEgo()  # waiting counts from the ego's present stop
         self.waiting_place = waiting_place
+        self._centres = {lane.number: lane.offset for lane in perception.road.lanes}
 
     def task(
         self,
@@ -182,7 +185,8 @@ class SpeedTasks:
         box = footprints(vehicles)
         right, left = swept(perception, lane)
         ahead = box.same_way & (box.rear > 0.0) & (box.right < left) & (box.left > right)
-        ahead &= in_queue(perception, lane) | ~self._wait_for_the_ego
+        centre = 0.0 if lane is None else self._centres[lane.number]
+        ahead &= in_queue(perception, centre) | ~self._wait_for_the_ego
         leader = float(box.rear[ahead].min(initial=np.inf))
         others = [stop for stop in self.stops if stop.name not in stand]
         line, _ = self._line(perception, lane, np.full(len(self.memory.times), leader), others)

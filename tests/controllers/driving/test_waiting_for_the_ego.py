@@ -43,4 +43,4 @@ def test_whoever_drives_or_is_behind_or_comes_across_does_not() -> None:
 
 def test_a_queue_is_in_the_lane() -> None:
     seen = perception(ego(0.0), None, (), (MERGING, Car(9.0, 0.3)))
-    assert in_queue(seen, None).tolist() == [False, True]
+    assert in_queue(seen, 0.0).tolist() == [False, True]

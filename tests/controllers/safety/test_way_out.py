@@ -15,7 +15,7 @@ from controllers.interface import Body, Crossing, Perception, Plan
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
-from controllers.safety.way_out import INCHING, LAST_RESORT, PATIENCE, SPEED
+from controllers.safety.way_out import INCHING, LAST_RESORT, PATIENCE, SPEED, STILL_APART, TO_VEHICLES
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
@@ -235,6 +235,17 @@ def test_a_vehicle_that_stands_across_the_lane_before_a_crossing_is_gone_round(a
     assert status == WAY_OUT
 
 
+def test_a_queue_is_waited_in_although_the_ego_makes_room_for_somebody_in_its_lane() -> None:
+    """The place in the lane that the ego makes for has another middle than the queue."""
+    queue, aside = Car(9.0, 0.0, length=2.0, width=0.7), Walker(4.6, -0.6)
+    driver, statuses = catalog.build("vo_mpc"), set()
+    for tick in range(int(10 * LAST_RESORT)):
+        state = ego(speed=0.0, time=0.1 * tick)
+        seen = perception(state, straight_road(1), [aside], [queue], crossings=[zebra(20.0)])
+        statuses.add(driver.plan(seen, driver.decide(seen)).status)
+    assert WAY_OUT not in statuses
+
+
 def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_standing() -> None:
     leans = Walker(1.0, -(0.5 * BODY.width + 0.25) + 0.05)
     check, speed, steering = LastCheck(), 0.0, 0.0
@@ -247,6 +258,15 @@ def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_stand
         assert speed < INCHING + 1e-6
     assert plan.status == WAY_OUT
     assert speed > 0.5 * INCHING
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.04, 0.2])
+def test_on_the_way_the_ego_does_not_drift_into_a_vehicle_beside_it(gap: float) -> None:
+    """Each search starts from the distance of then: with a drift allowed for each, they added up to contact."""
+    kept = np.array([min(gap, TO_VEHICLES)])
+    for _ in range(20):
+        kept = np.minimum(kept, free_way.drifted(kept, STILL_APART[1]))
+    assert kept[0] == pytest.approx(min(gap, STILL_APART[1]))
 
 
 def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
