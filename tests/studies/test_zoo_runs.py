@@ -1,8 +1,10 @@
-"""Small networks of the zoo, driven from end to end."""
+"""Small networks of the zoo: made, and driven from end to end."""
 
 from __future__ import annotations
 
 import csv
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -23,6 +25,52 @@ SHORT_S = 20.0
 """Of the others; long enough for some cars to set out [s]."""
 WARMUP_S = 5.0
 """Not recorded [s]."""
+Towns = Callable[[str], Path]
+
+
+@pytest.fixture(scope="module")
+def towns(tmp_path_factory: pytest.TempPathFactory) -> Towns:
+    """Return the short town of a name, as its configuration; each is made once."""
+
+    @cache
+    def made(name: str) -> Path:
+        return town_of(name, SEED, tmp_path_factory.mktemp(name) / TOWN)
+
+    return made
+
+
+def town_of(name: str, seed: int, folder: Path) -> Path:
+    (recipe,) = chosen([name])
+    return town.make(recipe, seed, SHORT_S, folder)
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.sumo
+@pytest.mark.parametrize("name", ["random-short", "refuges", "rilsa1"])
+def test_a_seed_makes_the_same_bytes_and_another_seed_another_town(
+    name: str, towns: Towns, tmp_path: Path
+) -> None:
+    one = content(towns(name).parent)
+    assert one == content(town_of(name, SEED, tmp_path / "same").parent)
+    assert one != content(town_of(name, SEED + 1, tmp_path / "other").parent)
+
+
+@pytest.mark.sumo
+def test_avenues_with_a_median_have_crossings_in_two_parts(towns: Towns) -> None:
+    net = (towns("refuges").parent / "town.net.xml").read_text()
+    arms = 1 * 4 + 4 * 3 + 4 * 2
+    assert net.count('function="crossing"') > arms
+
+
+@pytest.mark.sumo
+def test_cars_and_people_have_the_names_that_random_trips_gives_them(towns: Towns) -> None:
+    folder = towns("roundabouts").parent
+    assert "<roundabout" in (folder / "town.net.xml").read_text()
+    assert '<vehicle id="0"' in (folder / "cars.rou.xml").read_text()
+    assert '<person id="0"' in (folder / "people.rou.xml").read_text()
 
 
 @pytest.mark.sumo
@@ -38,10 +86,8 @@ def test_a_small_network_is_driven_to_its_end_and_counted(tmp_path: Path) -> Non
 
 @pytest.mark.sumo
 @pytest.mark.parametrize("name", SMALL)
-def test_what_inspect_calls_good_is_driven_to_its_end(name: str, tmp_path: Path) -> None:
-    (recipe,) = chosen([name])
-    configuration = town.make(recipe, SEED, SHORT_S, tmp_path / TOWN)
-    row = inspected_and_run(configuration, tmp_path, "vo_mpc", SHORT_S, ego_share=0.6)
+def test_what_inspect_calls_good_is_driven_to_its_end(name: str, towns: Towns, tmp_path: Path) -> None:
+    row = inspected_and_run(towns(name), tmp_path, "vo_mpc", SHORT_S, ego_share=0.6)
     assert int(row["ego_count"]) >= 3
     assert float(row["ego_dist_km"]) > 0.1
 

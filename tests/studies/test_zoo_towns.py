@@ -6,19 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from studies.zoo import town
 from studies.zoo.__main__ import main
 from studies.zoo.catalog import QUICK, Plan, all_recipes, chosen
 from studies.zoo.driving import Limits, drive, is_done
 from studies.zoo.programs import ZooError, call
 from studies.zoo.recipe import Recipe
 from studies.zoo.results import read
-
-DURATION_S = 20.0
-
-
-def content(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def test_names_are_unique_and_the_quick_ones_exist() -> None:
@@ -38,34 +31,6 @@ def test_a_name_that_does_not_exist_is_answered_in_one_line(capsys: pytest.Captu
     said = capsys.readouterr().err
     assert said.startswith("zoo: no network 'atlantis'; there are grid-signals, ")
     assert said.count("\n") == 1
-
-
-@pytest.mark.sumo
-@pytest.mark.parametrize("name", ["random-short", "refuges", "rilsa3"])
-def test_a_seed_makes_the_same_bytes_and_another_seed_another_town(name: str, tmp_path: Path) -> None:
-    (recipe,) = chosen([name])
-    for folder, seed in (("one", 3), ("same", 3), ("other", 4)):
-        town.make(recipe, seed, DURATION_S, tmp_path / folder)
-    assert content(tmp_path / "one") == content(tmp_path / "same")
-    assert content(tmp_path / "one") != content(tmp_path / "other")
-
-
-@pytest.mark.sumo
-def test_avenues_with_a_median_have_crossings_in_two_parts(tmp_path: Path) -> None:
-    (recipe,) = chosen(["refuges"])
-    town.make(recipe, 1, DURATION_S, tmp_path / "town")
-    net = (tmp_path / "town/town.net.xml").read_text()
-    arms = 1 * 4 + 4 * 3 + 4 * 2
-    assert net.count('function="crossing"') > arms
-
-
-@pytest.mark.sumo
-def test_cars_and_people_have_the_names_that_random_trips_gives_them(tmp_path: Path) -> None:
-    (recipe,) = chosen(["roundabouts"])
-    town.make(recipe, 1, DURATION_S, tmp_path / "town")
-    assert "<roundabout" in (tmp_path / "town/town.net.xml").read_text()
-    assert '<vehicle id="0"' in (tmp_path / "town/cars.rou.xml").read_text()
-    assert '<person id="0"' in (tmp_path / "town/people.rou.xml").read_text()
 
 
 @pytest.mark.sumo
