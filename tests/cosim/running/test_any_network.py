@@ -82,7 +82,7 @@ def test_egos_drive_in_it_to_the_end_of_the_run(
 ) -> None:
     scenario = _configuration(grid, net, step, extra)
     out = tmp_path / "run"
-    result = run(RunRequest(scenario, duration_s=40.0, out=out, **request_))  # type: ignore[arg-type]
+    result = run(RunRequest(scenario, duration_s=25.0, out=out, **request_))  # type: ignore[arg-type]
     assert result.valid, result.invalid_reason
     egos = pd.read_parquet(out / "egos.parquet")
     assert egos["ego_id"].nunique() >= (3 if "ego_share" in request_ else 1)

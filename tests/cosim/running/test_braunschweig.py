@@ -48,7 +48,7 @@ class RouteWatch:
 
 
 @pytest.fixture(
-    params=[pytest.param(60.0, id="a minute"), pytest.param(600.0, id="ten minutes", marks=pytest.mark.slow)]
+    params=[pytest.param(50.0, id="50 s"), pytest.param(600.0, id="ten minutes", marks=pytest.mark.slow)]
 )
 def composition(request: pytest.FixtureRequest) -> Iterator[Composition]:
     """The intersection at its first step."""
