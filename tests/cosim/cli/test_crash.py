@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pyarrow as pa
@@ -15,8 +16,11 @@ import pytest
 
 from cosim.recording.parquet_sink import ParquetSink, recover
 
-CRASHING = """
-import os, resource, signal, sys
+DISTURBED = """
+import importlib, json, os, resource, signal, sys
+from pathlib import Path
+from cosim.cli import main
+from cosim.processes import LOADED
 from cosim.sumo.world import SumoWorld
 step = SumoWorld._step
 def crash():
@@ -33,42 +37,72 @@ def forbid_more_memory():
     with open("/proc/self/statm") as file:
         size = int(file.read().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (size, resource.RLIM_INFINITY))
-def disturbed(self):
-    if self._time > {after}:
-        {disturb}()
-    step(self)
-SumoWorld._step = disturbed
-sys.argv = ["cosim", "run", "midblock_zebra", "--controller", "aeb", "--out", "{out}"]
-sys.argv += ["--set", "warmup_s=5", "--set", "ego_headway_s=5"]
-from cosim.cli import main
-sys.exit(main())
+def disturbed_run(folder, after, how):
+    def disturbed(self):
+        if self._time > after:
+            globals()[how]()
+        step(self)
+    SumoWorld._step = disturbed
+    sys.argv = ["cosim", "run", "midblock_zebra", "--controller", "aeb", "--out", folder]
+    sys.argv += ["--set", "warmup_s=5", "--set", "ego_headway_s=5"]
+    sys.exit(main())
 """
+ONE = DISTURBED + "disturbed_run(sys.argv[1], int(sys.argv[2]), sys.argv[3])"
+EACH = (
+    DISTURBED
+    + """
+for name in LOADED:
+    importlib.import_module(name)
+for folder, after, how in json.loads(sys.argv[1]):
+    child = os.fork()
+    if child == 0:
+        os.dup2(os.open(Path(folder, "stderr"), os.O_WRONLY | os.O_CREAT), 2)
+        disturbed_run(folder + "/out", after, how)
+    _, status = os.waitpid(child, 0)
+    Path(folder, "code").write_text(str(os.waitstatus_to_exitcode(status)))
+"""
+)
+"""One run after the other, each in a copy of a process that has loaded what they need."""
 
 
 LATE = 22
 """Four egos have been recorded for so long that the first 256 rows are written [s]."""
+CRASHES = [
+    (LATE, "crash", True, "SIGSEGV"),
+    (2, "crash", False, "SIGSEGV"),
+    (LATE, "fail_without_a_word", True, "could not report"),
+    (LATE, "find_no_memory_to_finish", True, "want of memory"),
+]
+Crashed = Callable[[int, str], tuple[Path, int, str]]
+
+
+@pytest.fixture(scope="module")
+def crashed(tmp_path_factory: pytest.TempPathFactory) -> Crashed:
+    """Make all runs that crash; return of one its folder, the exit code and the text of standard error."""
+    folder = tmp_path_factory.mktemp("crashed")
+    kinds = [(str(folder / f"{how}-{after}"), after, how) for after, how, *_ in CRASHES]
+    for place, *_ in kinds:
+        Path(place).mkdir()
+    words = [sys.executable, "-c", EACH, json.dumps(kinds)]
+    subprocess.run(words, check=True, timeout=300, stdout=subprocess.DEVNULL)
+
+    def found(after: int, how: str) -> tuple[Path, int, str]:
+        run = folder / f"{how}-{after}"
+        return run / "out", int((run / "code").read_text()), (run / "stderr").read_text()
+
+    return found
 
 
 @pytest.mark.sumo
-@pytest.mark.parametrize(
-    ("after", "disturb", "recorded", "told"),
-    [
-        (LATE, "crash", True, "SIGSEGV"),
-        (2, "crash", False, "SIGSEGV"),
-        (LATE, "fail_without_a_word", True, "could not report"),
-        (LATE, "find_no_memory_to_finish", True, "want of memory"),
-    ],
-)
+@pytest.mark.parametrize(("after", "how", "recorded", "told"), CRASHES)
 def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
-    tmp_path: Path, after: int, disturb: str, recorded: bool, told: str
+    crashed: Crashed, after: int, how: str, recorded: bool, told: str
 ) -> None:
-    out = tmp_path / "out"
-    command = [sys.executable, "-c", CRASHING.format(after=after, disturb=disturb, out=out)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-    assert done.returncode == 3
-    (line,) = [one for one in done.stderr.splitlines() if one.startswith("cosim:")]
+    out, code, errors = crashed(after, how)
+    assert code == 3
+    (line,) = [one for one in errors.splitlines() if one.startswith("cosim:")]
     assert told in line
-    assert "Traceback" not in done.stderr
+    assert "Traceback" not in errors
     description = json.loads((out / "run.json").read_text())
     assert description["valid"] is False
     assert told in description["invalid_reason"]
@@ -79,7 +113,7 @@ def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
 @pytest.mark.sumo
 def test_a_run_without_enough_memory_is_one_line_and_keeps_the_recording(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    command = [sys.executable, "-c", CRASHING.format(after=LATE, disturb="forbid_more_memory", out=out)]
+    command = [sys.executable, "-c", ONE, str(out), str(LATE), "forbid_more_memory"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 3
     (line,) = [one for one in done.stderr.splitlines() if one.startswith("cosim:")]
