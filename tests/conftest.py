@@ -33,8 +33,9 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Look for garbage in what tests make, and not each time in all the modules and tests that are loaded."""
+    """Look for garbage in what tests make, seldom, and not in all the modules and tests that are loaded."""
     gc.enable()
+    gc.set_threshold(10_000)
     gc.collect()
     gc.freeze()
 

@@ -114,9 +114,9 @@ class SocialForceModel:
         along = walkers.x_speed * aims.x + walkers.y_speed * aims.y
         # Walkers who want to stand have no direction in which to vary their speed.
         deviation = np.where(aims.speed > 0.0, self.spread * math.sqrt(1.0 - kept * kept), 0.0)
-        gained = (1.0 - kept) * (aims.speed - along) + deviation * noise
-        x_speed = kept * (walkers.x_speed - along * aims.x) + (along + gained) * aims.x
-        y_speed = kept * (walkers.y_speed - along * aims.y) + (along + gained) * aims.y
+        onwards = along + ((1.0 - kept) * (aims.speed - along) + deviation * noise)
+        x_speed = kept * (walkers.x_speed - along * aims.x) + onwards * aims.x
+        y_speed = kept * (walkers.y_speed - along * aims.y) + onwards * aims.y
         if car is not None:
             push_x, push_y = self.push(walkers.x, walkers.y, car)
             x_speed, y_speed = self._bounded(
@@ -133,6 +133,9 @@ class SocialForceModel:
         self, walkers: Walkers, x_speed: FloatArray, y_speed: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return the speeds limited to ``fastest``, or to the present speed if that is higher."""
+        squares = x_speed * x_speed + y_speed * y_speed
+        if not (squares > 0.99 * self.fastest**2).any():
+            return x_speed, y_speed  # the usual case, in a fraction of the time
         before = np.hypot(walkers.x_speed, walkers.y_speed)
         speed = np.hypot(x_speed, y_speed)
         share = np.minimum(1.0, np.maximum(before, self.fastest) / np.maximum(speed, 1e-9))
