@@ -35,14 +35,18 @@ SHORTER: Mapping[Words, Words] = {
     ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "20"),
     ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "15"),
     ("cosim", "run"): BRIEF,
-    ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2", "--to", "80"),
+    ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2", "--to", "50"),
+    ("cosim", "screen", "midblock_zebra"): ("--to", "35"),
     ("cosim", "check", "suite:"): ONE_CASE,
     # tests/cosim/search checks a whole folder of failures.
     ("cosim", "check", "results/constant/failures"): ("--filter", "kind-01"),
     ("cosim", "check", "midblock_"): ("--set", "warmup_s=5", "--set", "duration_s=30"),
     ("cosim", "conformance", "--controller"): (),
     ("cosim", "conformance"): ("route",),
-    ("cosim", "falsify"): ("--budget", "10", "--set", "vehicles_per_hour=0", "--no-shrink", "--no-report"),
+    ("cosim", "falsify"): (
+        *("--budget", "10", "--set", "vehicles_per_hour=0", "--no-shrink", "--no-report"),
+        *("--set", "warmup_s=1", "--set", "duration_s=24"),
+    ),
     ("python", "-m", "studies.papers"): ("003",),
 }
 """What is added to a command that begins with these words; the first that fits. The last word is a prefix."""
