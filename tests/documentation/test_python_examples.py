@@ -20,16 +20,22 @@ SHORTER: Mapping[str, Mapping[str, str]] = {
     "docs/python.md": {
         "duration_s=40, warmup_s=20": "duration_s=22, warmup_s=10, pedestrians_per_hour=900",
         '"duration_s": 40, "warmup_s": 20': '"duration_s": 22, "warmup_s": 10, "pedestrians_per_hour": 900',
+        '"duration_s": 30.0, "warmup_s": 10.0': '"duration_s": 12.0, "warmup_s": 2.0',
     },
     "docs/gymnasium.md": {
         "time_limit_s=10.0, ": "time_limit_s=10.0, warmup_s=10.0, ",
         "time_limit_s=5.0)": "time_limit_s=5.0, warmup_s=5.0)",
     },
     # So long that an ego has met somebody.
-    "docs/openscenario.md": {"duration_s=60, ": "duration_s=30, "},
+    "docs/openscenario.md": {
+        "duration_s=60, warmup_s=20": "duration_s=22, warmup_s=10, pedestrians_per_hour=900"
+    },
 }
 """What a page simulates, and what its test does: texts, which have to be there, and what takes their place."""
-LONG, BRIEF = '"duration_s": 60', '"duration_s": 30'
+LONG, BRIEF = (
+    '"duration_s": 60, "warmup_s": 20',
+    '"duration_s": 22, "warmup_s": 10, "pedestrians_per_hour": 900',
+)
 """The same of the notebook."""
 
 
