@@ -106,7 +106,7 @@ def test_a_scenario_made_from_a_network_alone_has_encounters(tmp_path: Path) -> 
     build(tmp_path, *WALKS, *CROSSINGS)
     assert main(["inspect", "town.net.xml", "--scaffold", "mine"]) == 0
     (tmp_path / "town.net.xml").unlink()  # the folder stands for itself
-    arguments = ["--controller", "aeb", "--duration-s", "100", "--out", "run"]
+    arguments = ["--controller", "aeb", "--duration-s", "60", "--out", "run"]
     assert main(["run", "mine", *arguments]) == 0
     encounters = pd.read_csv(tmp_path / "run/encounters.csv")
     assert len(encounters) >= 3

@@ -142,7 +142,7 @@ def test_the_same_run_twice_has_the_same_bytes_and_another_seed_other_people(tmp
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_all_behaviours_together_end_well_with_a_controller(tmp_path: Path, controller: str) -> None:
     recording(tmp_path)
-    out = ran(scenario(tmp_path, *BEHAVIOURS.values()), controller)
+    out = ran(scenario(tmp_path, *BEHAVIOURS.values()), controller, "--duration-s", "28")
     seen = {name.partition("#")[0] for name in people(out).object_id}
     assert seen == {f"p{number}" for number in range(len(BEHAVIOURS))}
     encounters = pd.read_csv(out / "encounters.csv")

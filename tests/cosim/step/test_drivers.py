@@ -70,7 +70,7 @@ def test_a_run_holds_the_controllers_of_no_more_egos_than_are_on_the_road(
 
     monkeypatch.setattr(cosim.step.drivers.Departures, "stepped", stepped)
     settings = {"warmup_s": "20", "step_s": "0.5"}
-    request = RunRequest("midblock_zebra", "aeb", 1, settings, duration_s=240.0, ego_share=0.2)
+    request = RunRequest("midblock_zebra", "aeb", 1, settings, duration_s=120.0, ego_share=0.2)
     result = run(dataclasses.replace(request, out=tmp_path / "run"))
     assert result.valid
     assert all(drivers <= egos for drivers, egos in held)

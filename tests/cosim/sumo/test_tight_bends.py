@@ -46,7 +46,7 @@ def driven(tmp_path: Path, configuration: Path, route: str, controller: str = "v
     """Return the folder of a run of one ego that has left at its route's end."""
     out = tmp_path / "run"
     asked = RunRequest(
-        str(configuration), controller, duration_s=60.0, ego_route=tuple(route.split()), out=out
+        str(configuration), controller, duration_s=40.0, ego_route=tuple(route.split()), out=out
     )
     result = run(asked)
     assert result.valid, result.invalid_reason
