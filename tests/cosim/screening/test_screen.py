@@ -49,7 +49,7 @@ def town(folder: Path, crossings: bool = True) -> Path:
     return path
 
 
-LIMITS = ("--from", "00:00:20", "--to", "80", "--min-pedestrians", 5)
+LIMITS = ("--from", "00:00:20", "--to", "60", "--min-pedestrians", 5)
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_a_town_is_ranked_and_the_same_command_ranks_it_again(
     assert not (out / "crossings.geojson").exists()
     for row in rows:
         walks = sum(int(one["n_pedestrians"]) for one in used if one["crossing_id"] == row["crossing_id"])
-        assert float(row["observed_h"]) == pytest.approx(2 * 60.0 / 3600.0, abs=1e-3)
+        assert float(row["observed_h"]) == pytest.approx(2 * 40.0 / 3600.0, abs=1e-3)
         assert float(row["pedestrians_per_h"]) == pytest.approx(walks / float(row["observed_h"]), rel=1e-4)
         assert (row["conflicts_per_1000_ped"] == "") == (walks == 0)
         assert bool(row["rank"]) == (walks >= 5)
