@@ -25,7 +25,10 @@ from tests.documentation.command_blocks import ROOT, fences
 Words = tuple[str, ...]
 
 BRIEF = ("--set", "warmup_s=5", "--set", "ego_headway_s=5", "--duration-s", "10")
-SHORT = ("--set", "warmup_s=20", "--set", "ego_headway_s=5", "--duration-s", "40")
+SHORT = (
+    *("--set", "pedestrians_per_hour=900", "--set", "warmup_s=10"),
+    *("--set", "ego_headway_s=5", "--duration-s", "30"),
+)
 """So long that four encounters have taken place."""
 ONE_CASE = ("--filter", "crossing_right_25_30kmh")
 
