@@ -54,6 +54,15 @@ def test_the_push_is_that_of_the_formula_within_what_a_person_can_do() -> None:
     assert x.tolist() == pytest.approx([MODEL.hardest, 0.0])
 
 
+def test_a_push_makes_nobody_faster_than_people_run_and_slows_down_nobody_who_is() -> None:
+    place, none = np.full(3, 1.0), np.zeros(3)
+    walkers = Walkers(place, none, np.array([-2.4, 2.4, 3.0]), none)
+    aims = aims_of(walkers.x_speed, walkers.y_speed)
+    pushed = MODEL.walk(walkers, aims, CarOutline(0.0, 0.0, 0.0), 0.5, none)
+    slowed = -2.4 + 0.5 * MODEL.hardest
+    assert pushed.x_speed.tolist() == pytest.approx([slowed, MODEL.fastest, 3.0])
+
+
 @given(some.floats(-6.0, 6.0), some.floats(-6.0, 6.0), some.floats(-3.0, 3.0))
 def test_the_push_leads_away_from_the_car_and_turns_with_it(x: float, y: float, heading: float) -> None:
     car = CarOutline(1.0, 2.0, heading, half_axis=1.4)
