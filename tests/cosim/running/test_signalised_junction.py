@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from controllers.driving.standing import STANDING
 from controllers.interface import Decision, Perception, Plan, SignalState
 from cosim.recording.recorder import Recorder
 from cosim.running.execution import execute
@@ -17,13 +19,16 @@ pytestmark = pytest.mark.sumo
 
 WARMUP_S = 90.0
 """Of the scenario [s]."""
+NEAR = 10.0
+"""A line so near that is no longer told has been passed [m]."""
 Signals = dict[str, tuple[float, SignalState]]
 
 
 class RedLightWatch(Recorder):
-    """Records, and notes every stop line that a front bumper passes while its light is red."""
+    """Records, and notes who passes a stop line while its light is red, and who stands before one."""
 
     passed: list[tuple[str, float]]
+    waited: set[str]
 
     def planned(
         self, perception: Perception, decision: Decision, plan: Plan, compute_s: float, to_world: ToWorld
@@ -32,8 +37,11 @@ class RedLightWatch(Recorder):
         ego = perception.ego
         now = {one.name: (one.stop_line - ego.body.front, one.state) for one in perception.road.signals}
         for name, (room, state) in self._seen.get(ego.name, {}).items():
-            if state is SignalState.RED and room > 0.0 >= now.get(name, (room, state))[0]:
+            gone = now[name][0] <= 0.0 if name in now else room < NEAR  # a line that is passed is not told
+            if state is SignalState.RED and room > 0.0 and gone:
                 self.passed.append((ego.name, ego.time))
+            if state is SignalState.RED and 0.0 < room < NEAR and ego.speed < STANDING:
+                self.waited.add(ego.name)
         self._seen[ego.name] = now
 
     def __init__(self, folder: Path) -> None:
@@ -56,21 +64,39 @@ class RedLightWatch(Recorder):
 def test_egos_cross_it_by_its_rules_and_arrive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turn: str, count: int, until_s: float, controller: str
 ) -> None:
-    monkeypatch.setattr("cosim.running.simulation.Recorder", RedLightWatch)
-    monkeypatch.setattr(RedLightWatch, "passed", [], raising=False)
-    out = tmp_path / "run"
     settings = {"turn": turn, "ego_count": str(count)}
-    request = RunRequest(
-        "signalised_junction", controller, settings=settings, duration_s=until_s - WARMUP_S, out=out
-    )
-    outcome = execute(request)
-    assert outcome.invalid_reason == ""
-    assert RedLightWatch.passed == []
-    row = outcome.row
-    assert row is not None
+    row, last = _driven(tmp_path, monkeypatch, controller, settings, until_s)
     assert row["n_vehicle_overlaps_ego_closed"] == "0"
     assert row["n_collisions"] == "0"
-    last = pd.read_parquet(out / "egos.parquet").groupby("ego_id").tail(1)
     assert len(last) == count
     assert last["edge"].str.endswith("_out").all()
     assert last["time_s"].max() < until_s - 0.5
+
+
+def test_with_no_car_ahead_the_ego_itself_waits_at_a_red_light(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = {"turn": "left", "ego_count": "2", "ego_headway_s": "10", "vehicles_per_hour": "0"}
+    _driven(tmp_path, monkeypatch, "vo_mpc", settings, 182.0)
+    assert RedLightWatch.waited == {"ego_1"}
+
+
+def _driven(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    controller: str,
+    settings: Mapping[str, str],
+    until_s: float,
+) -> tuple[Mapping[str, str], pd.DataFrame]:
+    """Return the row of ``runs.csv`` and the last rows of the egos of a run in which no red light is run."""
+    monkeypatch.setattr("cosim.running.simulation.Recorder", RedLightWatch)
+    monkeypatch.setattr(RedLightWatch, "passed", [], raising=False)
+    monkeypatch.setattr(RedLightWatch, "waited", set(), raising=False)
+    out, duration_s = tmp_path / "run", until_s - WARMUP_S
+    outcome = execute(
+        RunRequest("signalised_junction", controller, settings=settings, duration_s=duration_s, out=out)
+    )
+    assert outcome.invalid_reason == ""
+    assert RedLightWatch.passed == []
+    assert outcome.row is not None
+    return outcome.row, pd.read_parquet(out / "egos.parquet").groupby("ego_id").tail(1)
