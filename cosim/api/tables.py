@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
+DTYPES = {"number": "float64", "integer": "int64", "boolean": "bool", "string": "str"}
+"""Types of columns in a data package, and in pandas."""
+
+
 def read_table(folder: Path, name: str) -> DataFrame:
     """Return a table of a folder as it was written; undefined values are nan.
 
@@ -48,9 +52,20 @@ def read_table(folder: Path, name: str) -> DataFrame:
     if path.suffix == ".parquet":
         return pandas.read_parquet(io.BytesIO(content))
     table = pandas.read_csv(io.BytesIO(content))
+    if table.empty:  # its values do not tell what its columns hold
+        table = table.astype(_declared(folder, name))
     for column in table.select_dtypes(include=["object", "string"]).columns:
         table[column] = table[column].str.removeprefix("'")  # written so that no spreadsheet computes it
     return table
+
+
+def _declared(folder: Path, name: str) -> dict[str, str]:
+    """Return the types of a table's columns that the data packages of its folder declare."""
+    for package in sorted(folder.glob("*datapackage.json")):
+        for table in read_json(package)["resources"]:
+            if table["path"] == name:
+                return {field["name"]: DTYPES[field["type"]] for field in table["schema"]["fields"]}
+    return {}
 
 
 def read_description(folder: Path) -> dict[str, Any]:

@@ -62,6 +62,16 @@ def test_two_runs_in_a_row_are_valid_and_their_tables_are_frames(both: tuple[cos
     assert (driven - 8.0).abs().max() < 0.5  # what the function asks for is what is driven
 
 
+def test_without_encounters_the_columns_have_their_types_all_the_same(folder: Path) -> None:
+    alone = cosim.run(
+        "midblock_zebra", controller="sumo", out=folder / "alone", pedestrians_per_hour=0, **SHORT
+    )
+    assert len(alone.encounters) == 0
+    assert alone.encounters["min_dist_m"].dtype == float
+    assert len(alone.encounters.nsmallest(1, "min_dist_m")) == 0
+    assert alone.encounters["collision"].dtype == bool
+
+
 def test_a_function_gives_the_same_bytes_twice(both: tuple[cosim.Run, cosim.Run], folder: Path) -> None:
     again = cosim.run("midblock_zebra", controller=towards_eight, out=folder / "again", **SHORT)
     assert again.description["run_id"] == both[1].description["run_id"]
