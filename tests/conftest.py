@@ -6,6 +6,9 @@ import gc
 import os
 import signal
 from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,6 +26,31 @@ NEED_POSIX = (
 )
 """They use signals, processes that are killed, limits of resources or links; elsewhere they are not collected."""
 collect_ignore = [] if os.name == "posix" else list(NEED_POSIX)
+
+
+COARSE_DPI = 25
+
+
+@pytest.fixture(scope="session", autouse=True)
+def coarse_figures() -> Iterator[Callable[..., Any]]:
+    """Write pictures with few dots, which takes half the time: most tests only ask whether there is one."""
+    from matplotlib.figure import Figure
+
+    fine = Figure.savefig
+
+    def coarse(figure: Figure, file: Any, **given: Any) -> None:
+        kind = given.get("format") or Path(file).suffix.removeprefix(".")
+        fine(figure, file, **{**given, "dpi": COARSE_DPI} if kind == "png" else given)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", coarse)
+        yield fine
+
+
+@pytest.fixture
+def fine_figures(coarse_figures: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write pictures with as many dots as users get."""
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", coarse_figures)
 
 
 def pytest_configure() -> None:

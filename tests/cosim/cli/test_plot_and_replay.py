@@ -41,6 +41,7 @@ def recorded(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("fine_figures")
 def test_figures_go_into_the_run_s_folder_or_a_new_one(
     recorded: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -85,7 +86,10 @@ def test_without_matplotlib_one_line_says_what_to_install(
         assert f"cosim {arguments[0]} needs matplotlib: pip install matplotlib" in line
 
 
-def test_a_film_has_a_frame_for_every_recorded_instant_and_the_same_bytes_twice(recorded: Path) -> None:
+def test_a_film_has_a_frame_for_every_recorded_instant_and_the_same_bytes_twice(
+    recorded: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("analysis.plots.animation.DOTS_PER_INCH", 20)
     for name in ("one.gif", "two.gif"):
         assert main(["replay", "run", "--encounter", "1", "--out", name]) == 0
     assert Path("one.gif").read_bytes() == Path("two.gif").read_bytes()
@@ -130,8 +134,8 @@ def test_with_ffmpeg_there_is_a_film(recorded: Path) -> None:
 
 @pytest.mark.sumo
 def test_a_run_in_sumo_is_drawn_with_its_plans(tmp_path: Path) -> None:
-    run = ["run", "midblock_zebra", "--controller", "vo_mpc", "--set", "warmup_s=20", "--duration-s", "30"]
-    assert main([*run, "--out", "real"]) == 0
+    run = ["run", "midblock_zebra", "--controller", "vo_mpc", "--set", "warmup_s=10", "--duration-s", "20"]
+    assert main([*run, "--set", "pedestrians_per_hour=1200", "--out", "real"]) == 0
     assert main(["plot", "real", "--encounter", "1"]) == 0
     scene = choose(prepare(read_run(tmp_path / "real")), None, 1)
     film = Film(scene)
