@@ -75,12 +75,15 @@ class ToyWorld:
     _reference: int = field(init=False)
     _travelled: float = field(init=False, default=0.0)
     _senses: Senses = field(init=False)
+    _reacting: Sequence[ReactingMotion] = field(init=False)
 
     def __post_init__(self) -> None:
         self.plant = Plant(self.body, self.drive, 0.0, self.lane * self.road.lane_width, 0.0, self.speed)
         self._command = constant_command(0.0, 0.0)
         self._reference = self.lane
         self._senses = Senses(self.sensing, self.road.site(), self.seed)
+        # Found once: asking for a protocol takes as long as moving a pedestrian.
+        self._reacting = [p.motion for p in self.pedestrians if isinstance(p.motion, ReactingMotion)]
 
     def sense(self) -> Sequence[Perception] | None:
         """Return the ego's perception; ``None`` after ``duration``."""
@@ -110,9 +113,8 @@ class ToyWorld:
         self.plant.follow(self._command, 0.0, self.step)
         self._travelled += float(np.hypot(self.plant.x - before[0], self.plant.y - before[1]))
         self.time = round(self.time + self.step, 9)
-        for pedestrian in self.pedestrians:
-            if isinstance(pedestrian.motion, ReactingMotion):
-                pedestrian.motion.react(self.time, self.plant)
+        for motion in self._reacting:
+            motion.react(self.time, self.plant)
 
     def snapshot(self) -> Snapshot:
         """Return the truth after the last step."""
