@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from cosim import processes
+
 NEED_POSIX = (
     "chaos",
     "fuzz",
@@ -54,8 +56,13 @@ def fine_figures(coarse_figures: Callable[..., Any], monkeypatch: pytest.MonkeyP
 
 
 def pytest_configure() -> None:
-    """Let Ctrl-C end processes that tests start: a shell starts jobs in the background with Ctrl-C ignored."""
+    """Let Ctrl-C end processes that tests start: a shell starts jobs in the background with Ctrl-C ignored.
+
+    Besides, let a batch that is not told otherwise have one worker process.
+    """
     gc.disable()  # until the tests are loaded: none of it is garbage
+    # Another process costs more than it saves where tests run side by side. Tests of several ones ask for them.
+    processes.cores = lambda: 1
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

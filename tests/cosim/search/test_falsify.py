@@ -32,7 +32,8 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def arguments(folder: Path, out: Path, *more: str) -> list[str]:
-    space = ["--space", str(folder / "space.toml"), "--no-report", "--set", "vehicles_per_hour=0"]
+    alone = ["--set", "vehicles_per_hour=0", "--set", "pedestrians_per_hour=0"]
+    space = ["--space", str(folder / "space.toml"), "--no-report", *alone]
     words = ["falsify", "jaywalk_arterial", "--controller", "constant_speed", "--budget", "10", *space]
     return [*words, "--out", str(out), *more]
 
