@@ -207,7 +207,10 @@ def test_analysing_again_mends_tables_and_takes_down_what_it_wrote(study: Path) 
     assert f"{run}/run.trj: " in ended("verify", run, code=3).stderr
 
 
-def test_folders_of_before_are_read_with_a_line_that_says_so(study: Path) -> None:
+def test_folders_of_before_are_read_with_a_line_that_says_so(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("analysis.plots.animation.DOTS_PER_INCH", 20)
     said = "runs were made without hashes of their files; not verified: "
     for name in runs(study / "out"):
         run = study / "out" / "runs" / name
