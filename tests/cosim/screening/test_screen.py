@@ -49,6 +49,8 @@ def town(folder: Path, crossings: bool = True) -> Path:
     return path
 
 
+FEW = ("--rows", 4)
+"""Of a report: so many encounters are listed and have a replay."""
 LIMITS = ("--from", "00:00:20", "--to", "60", "--min-pedestrians", 5)
 
 
@@ -64,7 +66,7 @@ def screened(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, CompletedP
 def reported(screened: tuple[Path, CompletedProcess[str]], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a copy of the screening with its report."""
     out = shutil.copytree(screened[0] / "out", tmp_path_factory.mktemp("reported") / "out")
-    ended("report", out)
+    ended("report", out, *FEW)
     return out
 
 
@@ -145,7 +147,7 @@ def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(
     assert len(replays) == len(found)
     assert all((out / "report_data" / "replays" / f"{key}.js").is_file() for key in replays)
     assert {*found} <= {*conflicts}
-    ended("report", out)
+    ended("report", out, *FEW)
     assert (out / "report.html").read_text("utf-8") == page
     ended("verify", out)
 
@@ -199,7 +201,7 @@ def test_an_alternative_is_compared_crossing_by_crossing(tmp_path: Path) -> None
     before = (out / "crossing_changes.csv").read_bytes()
     ended(*arguments)
     assert (out / "crossing_changes.csv").read_bytes() == before
-    ended("report", out)
+    ended("report", out, *FEW)
     page = (out / "report.html").read_text("utf-8")
     assert 'id="changes"' in page
     assert "against/runs" not in page  # what is listed and replayed is the base
