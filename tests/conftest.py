@@ -6,13 +6,8 @@ import gc
 import os
 import signal
 from collections import Counter
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import pytest
-
-from cosim import processes
 
 NEED_POSIX = (
     "chaos",
@@ -30,39 +25,9 @@ NEED_POSIX = (
 collect_ignore = [] if os.name == "posix" else list(NEED_POSIX)
 
 
-COARSE_DPI = 25
-
-
-@pytest.fixture(scope="session", autouse=True)
-def coarse_figures() -> Iterator[Callable[..., Any]]:
-    """Write pictures with few dots, which takes half the time: most tests only ask whether there is one."""
-    from matplotlib.figure import Figure
-
-    fine = Figure.savefig
-
-    def coarse(figure: Figure, file: Any, **given: Any) -> None:
-        kind = given.get("format") or Path(file).suffix.removeprefix(".")
-        fine(figure, file, **{**given, "dpi": COARSE_DPI} if kind == "png" else given)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Figure, "savefig", coarse)
-        yield fine
-
-
-@pytest.fixture
-def fine_figures(coarse_figures: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Write pictures with as many dots as users get."""
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", coarse_figures)
-
-
 def pytest_configure() -> None:
-    """Let Ctrl-C end processes that tests start: a shell starts jobs in the background with Ctrl-C ignored.
-
-    Besides, let a batch that is not told otherwise have one worker process.
-    """
+    """Let Ctrl-C end processes that tests start: a shell starts jobs in the background with Ctrl-C ignored."""
     gc.disable()  # until the tests are loaded: none of it is garbage
-    # Another process costs more than it saves where tests run side by side. Tests of several ones ask for them.
-    processes.cores = lambda: 1
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -49,9 +49,13 @@ def content(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.sumo
-@pytest.mark.parametrize("name", ["random-short", "refuges", "rilsa1"])
-def test_a_seed_makes_the_same_bytes(name: str, towns: Towns, tmp_path: Path) -> None:
-    assert content(towns(name).parent) == content(town_of(name, SEED, tmp_path / "same").parent)
+@pytest.mark.parametrize("name", ["random-short", "refuges", "rilsa3"])
+def test_a_seed_makes_the_same_bytes_and_another_seed_another_town(
+    name: str, towns: Towns, tmp_path: Path
+) -> None:
+    one = content(towns(name).parent)
+    assert one == content(town_of(name, SEED, tmp_path / "same").parent)
+    assert one != content(town_of(name, SEED + 1, tmp_path / "other").parent)
 
 
 @pytest.mark.sumo

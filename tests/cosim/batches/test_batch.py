@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -12,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from cosim.batches.batch import BatchRequest
+from cosim.processes import cores
 from cosim.running.compose import compose
 from cosim.running.request import RunRequest
 from cosim.search.estimate import EstimateRequest
 from cosim.search.search import FalsifyRequest
 from tests.cosim.batches.studies import SHORT, batch, lasting, refused, rows, runs, write_study
-from tests.cosim.cli.commands import source_environment
 from tests.cosim.cli.test_cli import network
 
 pytestmark = pytest.mark.sumo
@@ -47,10 +46,7 @@ def test_a_study_is_run_once_and_its_tables_say_so(tmp_path: Path) -> None:
 def test_as_many_runs_as_there_are_cores_are_made_at_once_unless_it_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    # In this process, the number is another one; see tests/conftest.py.
-    words = [sys.executable, "-c", "from cosim.processes import cores; print(cores())"]
-    number = int(subprocess.check_output(words, env=source_environment(), text=True))
-    assert number == (len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count())
+    assert cores() == (len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count())
     for module in ("batches.batch", "search.search", "search.estimate"):
         monkeypatch.setattr(f"cosim.{module}.cores", lambda: 7)
     out, study = Path("out"), Path("study.toml")

@@ -232,11 +232,10 @@ def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_wi
 
 @pytest.mark.sumo
 def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
-    alone = ["--set", "vehicles_per_hour=0", "--set", "pedestrians_per_hour=0"]
-    egos = ["--set", "warmup_s=1", "--set", "ego_count=500", "--set", "ego_headway_s=2"]
-    settings = [*alone, *egos, "--duration-s", "100000", "--out", "out"]
+    alone = ["--set", "vehicles_per_hour=0", "--set", "pedestrians_per_hour=0", "--set", "warmup_s=1"]
+    settings = [*alone, "--set", "ego_count=500", "--set", "ego_headway_s=2", "--duration-s", "100000"]
     process = subprocess.Popen(
-        command("run", "midblock_zebra", "--controller", "sumo", *settings),
+        command("run", "midblock_zebra", "--controller", "sumo", "--out", "out", *settings),
         stderr=subprocess.PIPE,
         env=source_environment(),
     )

@@ -41,7 +41,6 @@ def recorded(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.usefixtures("fine_figures")
 def test_figures_go_into_the_run_s_folder_or_a_new_one(
     recorded: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
