@@ -161,9 +161,9 @@ def leads_on(
 def drifted(kept: FloatArray, least: float) -> FloatArray:
     """Return the distances kept while a way is driven, given those with which it was found, shape (n,) [m].
 
-    They are reduced by ``DRIFT``, but not below ``least``: every search starts from the distances of then, so
-    that the ego would come nearer from search to search until it touches somebody. Those who touch it already
-    are left out of this: the ego can only get away from them.
+    They are reduced by ``DRIFT``, because the ego does not follow its way exactly, but not below ``least``:
+    each search measures the distances anew, so the drifts would add up until the ego touches somebody. For
+    those who touch it already, there is no such bound.
 
     >>> drifted(np.array([0.1, 0.02, -0.2]), 0.01).round(2).tolist()
     [0.07, 0.01, -0.23]

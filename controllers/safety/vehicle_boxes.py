@@ -20,6 +20,9 @@ all others [m]."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
 """Instants at which driving vehicles are considered [s]."""
 
+NONE = Boxes(*np.empty((5, 0)))
+"""No vehicle."""
+
 
 def standing_vehicles(perception: Perception) -> Boxes:
     """Return the standing vehicles, in the plane of :mod:`controllers.geometry.plane`."""
@@ -54,7 +57,7 @@ def beside_in_lane(perception: Perception, times: FloatArray) -> Boxes:
     them, ego, road = perception.vehicles, perception.ego, perception.road
     box, lane = footprints(them), road.lane(road.reference)
     if lane is None:
-        return Boxes(*np.empty((5, 0)))
+        return NONE
     half = 0.5 * ego.body.width
     aside = (box.left < ego.across - half) | (box.right > ego.across + half)
     aside &= np.abs(them.across - lane.offset) < 0.5 * lane.width
@@ -75,7 +78,7 @@ def outside_the_bend(perception: Perception, times: FloatArray, side: float) -> 
     """
     them, lane = perception.vehicles, perception.road.lane(perception.road.reference)
     if lane is None:
-        return Boxes(*np.empty((5, 0)))
+        return NONE
     outside = side * (them.across - lane.offset) > 0.5 * lane.width
     who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & outside & ~footprints(them).oncoming
     return _straight_on(perception, who, times)
@@ -91,7 +94,7 @@ def oncoming_vehicles(perception: Perception, times: FloatArray) -> Boxes:
     who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & towards
     count = int(who.sum())
     if not count:
-        return Boxes(*np.empty((5, 0)))
+        return NONE
     middle = them.along[who] + 0.5 * them.length[who]
     along = middle + np.outer(times, them.along_speed[who])
     across = np.broadcast_to(them.across[who], along.shape)
@@ -133,7 +136,7 @@ def _boxes(perception: Perception, who: NDArray[np.bool_], times: FloatArray) ->
     """Return m vehicles at K instants [s] if they drive straight on: K * m boxes."""
     them = perception.vehicles
     if not who.any():
-        return Boxes(*np.empty((5, 0)))
+        return NONE
     fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
     heading, length, width = headings[who], them.length[who], them.width[who]
     speed = np.hypot(them.along_speed[who], them.across_speed[who])

@@ -38,8 +38,8 @@ TO_PEOPLE = (0.1, 0.02)
 """Distance kept to people who stand, and the smaller one used if there is no way with the first [m]."""
 TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
 """Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
-STILL_APART = (0.005, 0.03)
-"""Least distances to people and to vehicles on a way that is driven less exactly than planned [m]."""
+LEAST_TO_PEOPLE, LEAST_TO_VEHICLES = 0.005, 0.03
+"""Least distances to people and to vehicles while a way is driven, however inexactly [m]."""
 INSTANTS = 10
 """One in this many instants of a rollout is considered [-]."""
 NEARER = 0.002
@@ -158,8 +158,11 @@ class WayOut:
         near = _obstacles(people, kept, vehicles)
         way, done, self._way = self._way, self._driven, None
         under_way = way is not None and done < (len(way) - 1) * free_way.ARC
-        still = _obstacles(people, *_drifted(kept, vehicles))
-        if way is not None and under_way and free_way.leads_on(perception, still, way, done, self._beyond):
+        if (
+            way is not None
+            and under_way
+            and free_way.leads_on(perception, _drifted(people, kept, vehicles), way, done, self._beyond)
+        ):
             self._way = way
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
@@ -191,13 +194,11 @@ def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArra
     return Obstacles(x.ravel(), y.ravel(), (reach + kept[:, None]).ravel(), *vehicles)
 
 
-def _drifted(
-    kept: FloatArray, vehicles: tuple[Boxes, FloatArray]
-) -> tuple[FloatArray, tuple[Boxes, FloatArray]]:
-    """Return the distances to people and the vehicles with theirs, as they are kept while a way is driven."""
-    to_people, to_vehicles = STILL_APART
+def _drifted(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:
+    """Return the same obstacles with the distances kept to them while a way is driven."""
     boxes, kept_to_boxes = vehicles
-    return free_way.drifted(kept, to_people), (boxes, free_way.drifted(kept_to_boxes, to_vehicles))
+    still_kept = free_way.drifted(kept, LEAST_TO_PEOPLE)
+    return _obstacles(people, still_kept, (boxes, free_way.drifted(kept_to_boxes, LEAST_TO_VEHICLES)))
 
 
 def _vehicles(perception: Perception) -> tuple[Boxes, FloatArray]:
@@ -221,7 +222,7 @@ def _towards(
     ego = perception.ego
     x, y, heading = _rolled(perception, angle, times)
     clearance = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius)
-    meets = (clearance[:CHECKED, 0] < free_way.drifted(kept, STILL_APART[0])).any()
+    meets = (clearance[:CHECKED, 0] < free_way.drifted(kept, LEAST_TO_PEOPLE)).any()
     meets |= (clearance[:CHECKED_WALKERS, 0, walks] < kept[walks]).any()
     turning = abs(ego.steering - angle) > TURNED
     wanted = 0.0 if meets or turning else speed

@@ -15,7 +15,8 @@ from controllers.interface import Body, Crossing, Perception, Plan
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
-from controllers.safety.way_out import INCHING, LAST_RESORT, PATIENCE, SPEED, STILL_APART, TO_VEHICLES
+from controllers.safety.vehicle_boxes import NONE
+from controllers.safety.way_out import INCHING, LAST_RESORT, LEAST_TO_VEHICLES, PATIENCE, SPEED, TO_VEHICLES
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
@@ -23,12 +24,11 @@ from tests.controllers.toy_runs import ride
 BODY = Body()
 KEPT = 0.3
 """Radius of a person and distance kept from them [m]."""
-NO_BOXES = Boxes(*np.empty((5, 0)))
 
 
 def _people(*places: tuple[float, float]) -> Obstacles:
     x, y = np.array(places, dtype=float).reshape(-1, 2).T
-    return Obstacles(x, y, np.full(len(x), KEPT), NO_BOXES, np.zeros(0))
+    return Obstacles(x, y, np.full(len(x), KEPT), NONE, np.zeros(0))
 
 
 def _driven(way: FloatArray, across: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -236,7 +236,7 @@ def test_a_vehicle_that_stands_across_the_lane_before_a_crossing_is_gone_round(a
 
 
 def test_a_queue_is_waited_in_although_the_ego_makes_room_for_somebody_in_its_lane() -> None:
-    """The place in the lane that the ego makes for has another middle than the queue."""
+    """Vehicles queue about the lane's centre line, not about the path that the ego has shifted."""
     queue, aside = Car(9.0, 0.0, length=2.0, width=0.7), Walker(4.6, -0.6)
     driver, statuses = catalog.build("vo_mpc"), set()
     for tick in range(int(10 * LAST_RESORT)):
@@ -262,11 +262,11 @@ def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_stand
 
 @pytest.mark.parametrize("gap", [0.01, 0.04, 0.2])
 def test_on_the_way_the_ego_does_not_drift_into_a_vehicle_beside_it(gap: float) -> None:
-    """Each search starts from the distance of then: with a drift allowed for each, they added up to contact."""
+    """Each search measures the distance anew, so without a bound the drifts added up to contact."""
     kept = np.array([min(gap, TO_VEHICLES)])
     for _ in range(20):
-        kept = np.minimum(kept, free_way.drifted(kept, STILL_APART[1]))
-    assert kept[0] == pytest.approx(min(gap, STILL_APART[1]))
+        kept = np.minimum(kept, free_way.drifted(kept, LEAST_TO_VEHICLES))
+    assert kept[0] == pytest.approx(min(gap, LEAST_TO_VEHICLES))
 
 
 def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
