@@ -138,7 +138,7 @@ class RightOfWay:
         return needed > (COMES_FASTER if foe.name in self._faster else COMES)
 
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
-        """Return whether the ego would meet the foe in the conflict if it drove on."""
+        """Return whether the ego has to let the foe go first."""
         ego = perception.ego
         gone = foe.foe_exit <= 0.0
         inside = foe.foe_entry <= 0.0
@@ -146,6 +146,11 @@ class RightOfWay:
             return False
         if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
+        return self._meets(foe, perception, TIME_MARGIN)
+
+    def _meets(self, foe: JunctionFoe, perception: Perception, margin: float) -> bool:
+        """Return whether ego and foe, if both drive on, are in the conflict less than a margin [s] apart."""
+        ego = perception.ego
         fastest = max((float(value) for value in perception.road.limit), default=30.0)
         fastest = max(fastest, SLOWEST)
         # The ego's earliest entry, if it speeds up, and its latest exit, if it has to slow down for bends.
@@ -153,7 +158,7 @@ class RightOfWay:
         clears = self._time_to(foe.exit + ego.body.rear_overhang, perception, fastest)
         arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
         leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf
-        return clears + TIME_MARGIN > arrives and enters < leaves + TIME_MARGIN
+        return clears + margin > arrives and enters < leaves + margin
 
     def _time_to(self, along: float, perception: Perception, fastest: float) -> float:
         """Return when the rear axle reaches a place if only bends and limits slow the ego down [s]."""
@@ -167,9 +172,11 @@ class RightOfWay:
         speeds = np.sqrt(np.minimum.accumulate(squares - behind) + behind)
         return float(np.sum(2.0 * np.diff(places) / np.maximum(speeds[:-1] + speeds[1:], 1e-6)))
 
-    @staticmethod
-    def _before(foe: JunctionFoe, perception: Perception) -> StopPlace | None:
+    def _before(self, foe: JunctionFoe, perception: Perception) -> StopPlace | None:
         """Return the first place before the conflict where the ego can still stop.
+
+        If it cannot stop any more, it drives on if it gets past before the foe comes or after the foe has
+        left. Otherwise it brakes all the same: it meets the foe later, perhaps not at all, or more slowly.
 
         An ego that has passed the line waits at the junction's waiting place: other drivers believe that a
         vehicle beyond it goes first, and stop for it, however far it is from their way. At a green light the
@@ -179,11 +186,11 @@ class RightOfWay:
         before = foe.entry - CONFLICT_GAP
         middle = before if foe.waiting_place is None else min(foe.waiting_place, before)
         inside = _waits_inside(foe, perception)
-        places = ((middle, 0.0), (before, 0.0))
+        places = ((middle, 0.0), (before, CONFLICT_GAP))
         for place, overshoot in places if inside else ((foe.stop_line, OVERSHOOT), *places):
             if _can_stop(place + overshoot, ego, HARD_SHARE * ego.drive.max_deceleration):
                 return StopPlace(foe.name, place)
-        return None
+        return StopPlace(foe.name, before) if self._meets(foe, perception, 0.0) else None
 
 
 def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:

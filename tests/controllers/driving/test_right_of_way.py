@@ -177,6 +177,19 @@ def test_an_ego_that_cannot_stop_any_more_drives_on() -> None:
     assert _stops(seen) == []
 
 
+def test_an_ego_that_cannot_stop_any_more_brakes_for_a_foe_that_it_would_hit() -> None:
+    """The foe turned before the ego, which had slowed down for somebody else, and the ego drove into it."""
+    near = replace(_foe(3.0, 5.0, must_yield=False), stop_line=-5.0, entry=8.0, exit=13.0)
+    assert _stops(perception(ego(8.3), foes=[near])) == [StopPlace("foe", 7.0)]
+    gone_by_then = replace(near, foe_entry=-7.0, foe_exit=1.0)
+    assert _stops(perception(ego(8.3), foes=[gone_by_then])) == []
+
+
+def test_an_ego_that_stands_close_before_the_conflict_stays_there() -> None:
+    seen = perception(ego(0.0), foes=[replace(_foe(12.0, 10.0), stop_line=-5.0, entry=4.2, exit=9.0)])
+    assert _stops(seen) == [StopPlace("foe", 3.2)]
+
+
 def test_a_foe_that_keeps_standing_is_waited_for_with_patience_only() -> None:
     rule = RightOfWay(1.8)
     standing = _foe(6.0, 0.0)
