@@ -11,7 +11,7 @@ from sumo_scenarios.sumo_options import is_true
 
 COARSE_STEP_S = 0.2
 """Steps longer than this are too coarse, as pedestrians move by more than their radius in one step [s]."""
-NO_INTERACTION = "noninteracting"
+NO_INTERACTION, JUPEDSIM = "noninteracting", "jupedsim"
 
 
 def step_length(source: Source) -> Finding:
@@ -33,12 +33,15 @@ def step_length(source: Source) -> Finding:
 
 
 def pedestrian_model(source: Source) -> list[Finding]:
-    """Report a model in which pedestrians and vehicles ignore each other."""
+    """Report a model in which pedestrians and vehicles ignore each other, and one in which SUMO may hang."""
     model = source.options.get("pedestrian.model", "striping")
-    if model.lower() != NO_INTERACTION:
-        return []
-    text = f"{model}: pedestrians and vehicles pass through each other; remove pedestrian.model"
-    return [Finding("pedestrian model", Level.MISSING, text)]
+    if model.lower() == NO_INTERACTION:
+        text = f"{model}: pedestrians and vehicles pass through each other; remove pedestrian.model"
+        return [Finding("pedestrian model", Level.MISSING, text)]
+    if model.lower() == JUPEDSIM:
+        text = f"{model}: SUMO 1.28 hangs or crashes with it on some networks; if so, remove pedestrian.model"
+        return [Finding("pedestrian model", Level.DANGER, text)]
+    return []
 
 
 def mesoscopic(source: Source) -> list[Finding]:

@@ -221,6 +221,7 @@ def test_sumo_leaves_out_and_inserts_what_is_said(tmp_path: Path) -> None:
     ("options", "step", "check", "level", "words"),
     [
         ('<pedestrian.model value="nonInteracting"/>', "0.1", "pedestrian model", Level.MISSING, "through"),
+        ('<pedestrian.model value="jupedsim"/>', "0.1", "pedestrian model", Level.DANGER, "SUMO 1.28 hangs"),
         ('<mesosim value="true"/>', "0.1", "mesoscopic", Level.MISSING, "remove mesosim"),
         ('<ignore-route-errors value="true"/>', "0.1", "route errors", Level.DANGER, "silently"),
         ('<step-method.ballistic value="true"/>', "0.1", "options", Level.NOTE, "ballistic"),
