@@ -14,6 +14,9 @@ import numpy as np
 
 from controllers.arrays import FloatArray
 
+INSTANT = 1e-9
+"""A window shorter than this smooths nothing: the slopes of its ramps could be infinite [s]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Segment:
@@ -161,7 +164,7 @@ def smoothed(profile: SpeedProfile, window: float, before: float = 0.0) -> Speed
     window : T [s]
     before : acceleration before the beginning, with which the result begins [m/s^2]
     """
-    if window <= 0.0:
+    if window < INSTANT:
         return profile
     jumps: list[tuple[float, float]] = []
     time, present = 0.0, before

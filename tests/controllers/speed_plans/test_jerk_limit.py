@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from controllers.speed_plans.intermediate_speed import plan_intermediate, safe_distance
@@ -83,6 +83,7 @@ def test_the_last_metres_of_a_stop_may_exceed_the_limit_rather_than_drive_backwa
     jerk=st.floats(0.01, 100.0),
     before=st.floats(-8.0, 2.6),
 )
+@example(gap=0.0, speed=5e-324, other=-1.0, jerk=1.0, before=5e-324)  # a window of no length
 def test_whatever_there_is_a_plan_is_finite(
     gap: float, speed: float, other: float, jerk: float, before: float
 ) -> None:
