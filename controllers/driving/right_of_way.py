@@ -70,8 +70,9 @@ class RightOfWay:
         self._watched_at = -math.inf
         self._braking_for: set[str] = set()
         self._stopped_at: set[str] = set()
-        self.red_line = math.inf
-        """The nearest stop line ahead where a red light held the ego at the last call; inf for none [m]."""
+        self.firm_line = math.inf
+        """The nearest place that the ego must not pass, however hard it has to brake: the line of a red light
+        that held it at the last call, or the way of a foe that it would hit; inf for none [m]."""
 
     def stops(self, perception: Perception) -> list[StopPlace]:
         """Return the places to stop at, in no order."""
@@ -97,7 +98,7 @@ class RightOfWay:
         red = [one for one in held if one.state is SignalState.RED]
         self._braking_for = {one.name for one in red}
         ahead = (one.stop_line for one in red if one.stop_line >= ego.body.front)
-        self.red_line = min(ahead, default=math.inf)
+        self.firm_line = min(ahead, default=math.inf)
         return [StopPlace(one.name, one.stop_line) for one in held]
 
     def _signs(self, perception: Perception) -> list[StopPlace]:
@@ -190,7 +191,10 @@ class RightOfWay:
         for place, overshoot in places if inside else ((foe.stop_line, OVERSHOOT), *places):
             if _can_stop(place + overshoot, ego, HARD_SHARE * ego.drive.max_deceleration):
                 return StopPlace(foe.name, place)
-        return StopPlace(foe.name, before) if self._meets(foe, perception, 0.0) else None
+        if not self._meets(foe, perception, 0.0):
+            return None
+        self.firm_line = min(self.firm_line, before)
+        return StopPlace(foe.name, before)
 
 
 def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:

@@ -292,10 +292,11 @@ class VelocityObstacleMpc:
         slower = wheels.held_back(ego, self._times, steering.command, command.acceleration)
         command = replace(command, acceleration=slower)
         planner = self._planner(perception)
-        red_line = planner.right_of_way.red_line
-        if red_line < np.inf and float(speed.position.max()) + ego.body.front > red_line:
-            # The smooth plan ends beyond a red light's line. An ego that stands there counts as in the
-            # junction for everybody else: it brakes as hard as it can for as long as that is so.
+        firm_line = planner.right_of_way.firm_line
+        if firm_line < np.inf and float(speed.position.max()) + ego.body.front > firm_line:
+            # The smooth plan ends beyond a red light's line, or in the way of a vehicle. An ego that stands
+            # beyond the line counts as in the junction for everybody else: it brakes as hard as it can for
+            # as long as that is so.
             hardest = -planner.program.limits.emergency_braking
             return replace(command, acceleration=np.full(len(command.times), hardest))
         return command

@@ -62,7 +62,7 @@ def test_a_stop_that_has_begun_is_given_up_only_where_full_braking_would_not_do(
     assert rule.stops(near) == []
     far = perception(replace(state, time=0.1), signals=[Signal("tl", FRONT + 13.0, SignalState.RED)])
     assert [stop.name for stop in rule.stops(far)] == ["tl"]
-    assert rule.red_line == FRONT + 13.0
+    assert rule.firm_line == FRONT + 13.0
     assert [stop.name for stop in rule.stops(near)] == ["tl"]
     nearer = perception(state, signals=[Signal("tl", FRONT + 7.0, SignalState.RED)])
     assert rule.stops(nearer) == []
