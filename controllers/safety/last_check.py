@@ -23,6 +23,7 @@ from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, Perception, Plan
 from controllers.prediction.forecast import Forecast
+from controllers.safety.lights_passed import LightsPassed
 from controllers.safety.pedestrian_discs import Discs, discs
 from controllers.safety.rollout import (
     LAG,
@@ -43,7 +44,7 @@ from controllers.safety.vehicle_boxes import (
     outside_the_bend,
     standing_vehicles,
 )
-from controllers.safety.way_out import NEARER, PATIENCE, WayOut
+from controllers.safety.way_out import A_CYCLE, NEARER, PATIENCE, WayOut
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
 """Status of a plan that was replaced by braking, and of one replaced by a way out at walking pace."""
@@ -55,6 +56,8 @@ GRAZING = 0.03
 """Pedestrians already nearer than the margin count as touched if the ego comes nearer to them by this [m]."""
 WALK_ON = 0.7
 """Walking pedestrians who are not expected to enter the ego's way stop only after this time [s]."""
+AROUND = 3.0
+"""People no farther away than this may be why the ego is kept from starting [m]."""
 STARTING = 0.5
 """An ego that stood counts as starting up to this speed [m/s]."""
 WALKERS_MARGIN = 0.3
@@ -73,6 +76,7 @@ class LastCheck:
     """Checks the plans of one ego; remembers since when it has been kept from starting."""
 
     _out: WayOut = field(default_factory=WayOut)
+    _lights: LightsPassed = field(default_factory=LightsPassed)
     _stood: bool = False
     """Whether the ego has stood and has not been under way since."""
 
@@ -107,6 +111,7 @@ class LastCheck:
             shape (n,); nan for others; ``None`` if there are no such pedestrians [m/s].
         """
         near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
+        at_lights = self._lights.look(perception)
         self._stood = speed < STANDING or (self._stood and speed < STARTING)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
         # An ego that only creeps past somebody does not start: it would stop beside them and stay there.
@@ -129,7 +134,8 @@ class LastCheck:
             held = touched or stuck
             # Pedestrians for whom it would wait, had it not waited so long, still keep it from starting.
             near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
-            out = self._out.command(perception, people, walk, times, room, held, near_it)
+            patience = _patience(at_lights, clearance[0, 0, : len(near)])
+            out = self._out.command(perception, people, walk, times, room, held, near_it, patience)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:
@@ -143,18 +149,33 @@ class LastCheck:
         if starts or not touches.all():
             enough = tried[-1] if touches.all() else tried[int(np.argmin(touches))]
             return _braking(plan, min(float(enough), limit))
-        # No braking keeps the margin. Braking is no help if the ego then stops beside somebody who walks on,
-        # or if its side is then hit by somebody whom it would have passed by driving on.
-        people = _and_walking_on(perception, near, people, times)
-        first = passing_first(perception, times)
-        all_of_them = zip(motion, first, slower, strict=True)
-        variants = Motion(*(np.concatenate(each, axis=1) for each in all_of_them))
-        distances = _clearances(perception, people, cars, path, variants)
-        least = _least(distances, variants)
-        best = least.max()
-        chosen = int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else -1
+        chosen = _farthest_away(perception, near, people, cars, path, times, motion, slower)
         brakings = (_braking(plan, min(float(one), limit)) for one in tried)
         return (plan, _passing_first(plan), *brakings)[chosen]
+
+
+def _farthest_away(
+    perception: Perception,
+    near: NDArray[np.intp],
+    people: Discs,
+    cars: Sequence[Boxes],
+    path: Course,
+    times: FloatArray,
+    motion: Motion,
+    slower: Motion,
+) -> int:
+    """Return what stays farthest away if no braking keeps the margin.
+
+    The answer is 0 for the plan, 1 for getting past somebody first, and more, or -1 for the hardest, for the
+    brakings. Braking is no help if the ego then stops beside somebody who walks on, or if its side is then
+    hit by somebody whom it would have passed by driving on.
+    """
+    people = _and_walking_on(perception, near, people, times)
+    all_of_them = zip(motion, passing_first(perception, times), slower, strict=True)
+    variants = Motion(*(np.concatenate(each, axis=1) for each in all_of_them))
+    least = _least(_clearances(perception, people, cars, path, variants), variants)
+    best = least.max()
+    return int(np.flatnonzero(least >= best - GRAZING)[-1]) if best >= MARGIN else -1
 
 
 def _people(
@@ -177,6 +198,17 @@ def _keeps(clearance: FloatArray, motion: Motion, walk: NDArray[np.bool_]) -> bo
     """Return whether somebody would keep an ego that has just stopped from starting."""
     margin = _margins(clearance[0, 0], walk, starts=True, patience_over=False)
     return bool(_touches(clearance, motion, margin)[0])
+
+
+def _patience(at_lights: bool, to_people: FloatArray) -> float:
+    """Return how long an ego waits before it looks for a way out [s].
+
+    Parameters
+    ----------
+    at_lights : whether it is in a junction with traffic lights
+    to_people : its distances to people, shape (n,) [m]
+    """
+    return A_CYCLE if at_lights and not (to_people < AROUND).any() else PATIENCE
 
 
 def _margins(now: FloatArray, walk: NDArray[np.bool_], starts: bool, patience_over: bool) -> FloatArray:

@@ -22,8 +22,9 @@ from controllers.safety.free_way import Obstacles
 from controllers.safety.pedestrian_discs import Discs
 from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
 
-PATIENCE = 4.0
-"""Time for which an ego that is kept from starting waits [s]."""
+PATIENCE, A_CYCLE = 4.0, 60.0
+"""Time for which an ego that is kept from starting waits; and that for vehicles in a junction with traffic
+lights, because they may wait for the lights and not for the ego [s]."""
 LAST_RESORT, BEYOND = 20.0, 1.5
 """After this waiting time, a way may end on a crossing, and lead this much farther beside the lane, where
 SUMO has no place for an ego [s, m]."""
@@ -94,6 +95,7 @@ class WayOut:
         farthest: float,
         held: bool,
         somebody_near: bool,
+        patience: float = PATIENCE,
     ) -> Command | None:
         """Return the command that leads out; ``None`` if there is no way, if it is too early, or afterwards.
 
@@ -113,6 +115,8 @@ class WayOut:
             Whether somebody keeps the ego from following its plan.
         somebody_near
             Whether somebody would keep the ego from starting if it had only just stopped.
+        patience
+            How long the ego waits before it looks for a way [s].
         """
         ego = perception.ego
         in_lane = abs(ego.across) < IN_LANE and abs(ego.heading_error) < ALONG_LANE
@@ -127,7 +131,7 @@ class WayOut:
             return None
         if self.held_since is None:
             self.held_since = ego.time
-        if not self.taken and ego.time - self.held_since <= PATIENCE:
+        if not self.taken and ego.time - self.held_since <= patience:
             return None
         now = _distances(perception, people)
         wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
