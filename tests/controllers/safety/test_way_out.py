@@ -11,12 +11,20 @@ from controllers import catalog
 from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
-from controllers.interface import Body, Crossing, Perception, Plan
+from controllers.interface import Body, Crossing, Perception, Plan, Signal, SignalState
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
 from controllers.safety.vehicle_boxes import NONE
-from controllers.safety.way_out import INCHING, LAST_RESORT, LEAST_TO_VEHICLES, PATIENCE, SPEED, TO_VEHICLES
+from controllers.safety.way_out import (
+    A_CYCLE,
+    INCHING,
+    LAST_RESORT,
+    LEAST_TO_VEHICLES,
+    PATIENCE,
+    SPEED,
+    TO_VEHICLES,
+)
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
@@ -151,18 +159,19 @@ def _held(
     room: float = np.inf,
     stuck: bool = True,
     crossings: Sequence[Crossing] = (),
+    signals: Sequence[Signal] = (),
 ) -> list[Plan]:
     """Return what the last check makes of an ego that stands for so long."""
     check, plans = LastCheck(), []
     for tick in range(int(10.0 * seconds)):
-        seen: Perception = perception(
-            ego(speed=0.0, time=0.1 * tick), straight_road(2), walkers, cars, crossings=crossings
-        )
+        state = ego(speed=0.0, time=0.1 * tick)
+        seen: Perception = perception(state, straight_road(2), walkers, cars, crossings, signals)
         plans.append(check.checked(seen, keeps(2.0), np.zeros(len(walkers), bool), None, stuck, room))
     return plans
 
 
 AT_THE_CORNER = Walker(BODY.front + 0.9, -1.05)
+PASSED, AHEAD = (Signal("light", BODY.front + far, SignalState.GREEN) for far in (-1.0, 12.0))
 
 
 def test_it_is_taken_after_a_while() -> None:
@@ -191,6 +200,25 @@ def test_before_a_crossing_a_way_that_does_not_lead_over_it_is_the_last_resort(
     held = _held([AT_THE_CORNER], LAST_RESORT + 2.0, [across], crossings=[zebra(begins)])
     statuses = [plan.status for plan in held]
     assert (WAY_OUT in statuses[: int(10 * LAST_RESORT)]) == soon
+    assert statuses[-1] == WAY_OUT
+
+
+@pytest.mark.parametrize(
+    ("lights", "walkers", "patience"),
+    [
+        ([PASSED], [], A_CYCLE),
+        ([PASSED], [AT_THE_CORNER], PATIENCE),
+        ([AHEAD], [], PATIENCE),
+        ([], [], PATIENCE),
+    ],
+)
+def test_in_a_junction_with_lights_vehicles_are_waited_for_longer(
+    lights: Sequence[Signal], walkers: Sequence[Walker], patience: float
+) -> None:
+    """They wait for the lights to change; who goes round them comes into the way of those who have green."""
+    nose = Car(BODY.front + 6.5, 1.6, heading_error=-2.6)
+    statuses = [plan.status for plan in _held(walkers, patience + 1.0, [nose], signals=lights)]
+    assert WAY_OUT not in statuses[: int(10 * patience)]
     assert statuses[-1] == WAY_OUT
 
 
