@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-
-import numpy as np
 
 from controllers.driving.standing import StoodSince, standing
 from controllers.geometry.footprints import Footprints, footprints
@@ -19,6 +18,8 @@ class BlockedLanes:
     of it is not waiting for anything. Its lane then appears to end ``distance`` before it, so that methods
     that leave a lane before its end also go round a parked vehicle, or stop where they still can steer out.
     A vehicle that stands across the lane, or faces the ego, may be waiting for the ego and does not count.
+    Nor does one in a junction whose traffic light is still ahead of the ego. The ego's lane does not appear
+    to end if the lanes beside it lead off the route before the ego could come back: they are no way past.
 
     Parameters
     ----------
@@ -28,11 +29,14 @@ class BlockedLanes:
         A crossing or stop line within this distance ahead of a vehicle explains why it stands [m].
     distance
         Room to steer out behind the vehicle [m].
+    past
+        Length of a lane beyond the vehicle that it takes to come back from it [m].
     """
 
     patience: float = 4.0
     reason: float = 40.0
     distance: float = 9.0
+    past: float = 15.0
     _standing: StoodSince = field(default_factory=StoodSince)
     _blocked: frozenset[int] = frozenset()
 
@@ -54,8 +58,11 @@ class BlockedLanes:
         blocking = [i for i in ahead if not self._waits(perception, box.front[i])]
         if not blocking:
             return perception
-        known = perception.road.lanes
-        lanes = tuple(self._shortened(lane, box, blocking) for lane in known)
+        known, here = perception.road.lanes, perception.road.reference
+        beside = [lane.follows_route_for for lane in known if lane.number != here]
+        lanes = tuple(
+            self._shortened(lane, box, blocking, beside if lane.number == here else ()) for lane in known
+        )
         self._blocked = frozenset(new.number for old, new in zip(known, lanes, strict=True) if new is not old)
         return replace(perception, road=replace(perception.road, lanes=lanes))
 
@@ -63,17 +70,27 @@ class BlockedLanes:
         """Return whether something close ahead explains why a vehicle stands."""
         road = perception.road
         reasons = [crossing.entry for crossing in road.crossings]
-        reasons += [signal.stop_line for signal in road.signals]
         reasons += [sign.stop_line for sign in road.stop_signs]
         reasons += [foe.stop_line for foe in road.foes]
-        return any(-3.0 < place - front < self.reason for place in reasons)
+        lights = any(abs(signal.stop_line - front) < self.reason for signal in road.signals)
+        return lights or any(-3.0 < place - front < self.reason for place in reasons)
 
-    def _shortened(self, lane: Lane, box: Footprints, blocking: list[int]) -> Lane:
+    def _shortened(self, lane: Lane, box: Footprints, blocking: list[int], beside: Sequence[float]) -> Lane:
+        """Return a lane that ends before the first of some vehicles in it, if there is any.
+
+        Parameters
+        ----------
+        lane : the lane
+        box, blocking : all vehicles, and the rows of those that will not drive on
+        beside : how far the lanes beside follow the route, if they have to lead past the vehicles [m]
+        """
         right, left = lane.offset - 0.5 * lane.width, lane.offset + 0.5 * lane.width
-        ends = [
-            float(box.rear[i]) - self.distance
-            for i in blocking
-            if box.right[i] < left - 0.3 and box.left[i] > right + 0.3
-        ]
-        end = min(ends, default=np.inf)
+        first = min(
+            (i for i in blocking if box.right[i] < left - 0.3 and box.left[i] > right + 0.3),
+            key=lambda i: float(box.rear[i]),
+            default=None,
+        )
+        if first is None or (beside and max(beside) < box.front[first] + self.past):
+            return lane
+        end = float(box.rear[first]) - self.distance
         return replace(lane, follows_route_for=end) if end < lane.follows_route_for else lane

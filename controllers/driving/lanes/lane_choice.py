@@ -10,7 +10,7 @@ import numpy as np
 
 from controllers.driving.driving_style import DrivingStyle
 from controllers.driving.lanes.gap_acceptance import GapRule, blocker
-from controllers.driving.lanes.lane_for_route import RouteRule, lane_for_route
+from controllers.driving.lanes.lane_for_route import RouteRule, lane_for_route, leads_off_now
 from controllers.driving.lanes.lane_incentive import IncentiveRule, better_lane
 from controllers.driving.leaders import LANE_END
 from controllers.interface import Perception
@@ -48,6 +48,8 @@ class LaneChoice:
         road = perception.road
         self.waiting = self.paused = False
         if self._target is None or road.lane(self._target) is None:
+            self._target = road.reference
+        if leads_off_now(perception, self._target):
             self._target = road.reference
         if self._target != road.reference:
             threat = blocker(perception, self._target, self._gap_rule, begun=True)

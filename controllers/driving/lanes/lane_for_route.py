@@ -12,6 +12,10 @@ SAME_END = 10.0
 """Lanes whose ends differ by less than this end at the same place, as their lengths differ in bends [m]."""
 
 
+STANDS = 1.0
+"""An ego below this speed may still go back on a lane change [m/s]."""
+
+
 @dataclass(frozen=True, slots=True)
 class RouteRule:
     """Conditions under which the ego has to leave its lane for the route."""
@@ -50,6 +54,19 @@ def lane_for_route(perception: Perception, rule: RouteRule | None = None) -> int
         return None
     # max() keeps the first of equals: the lane on the right, where traffic is slower.
     return max(candidates, key=lambda lane: lane.follows_route_for).number
+
+
+def leads_off_now(perception: Perception, target: int) -> bool:
+    """Return whether a lane change under way has become wrong for an ego that almost stands.
+
+    The ego may have been given another route since the change began. Then its own lane follows the route, and
+    the lane that it is changing to does not.
+    """
+    road = perception.road
+    here, there = road.lane(road.reference), road.lane(target)
+    if here is None or there is None or perception.ego.speed >= STANDS:
+        return False
+    return here.follows_route_for > there.follows_route_for + SAME_END
 
 
 def _road_goes_on(lane: Lane, here: Lane, road: RoadAhead) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers.driving.lanes.gap_acceptance import GapRule, blocker
-from controllers.driving.lanes.lane_for_route import lane_for_route
+from controllers.driving.lanes.lane_for_route import lane_for_route, leads_off_now
 from controllers.driving.lanes.pedestrian_change import open_for_pedestrians
 from controllers.driving.standing import STANDING
 from controllers.interface import Crossing, Decision, Lane, Manoeuvre, Perception, SignalState
@@ -86,8 +86,10 @@ class LaneByCost:
         return self._by_the_rules(perception, cost)
 
     def _gave_up(self, perception: Perception) -> bool:
-        """Return whether an aborted change has come almost to a standstill, so that another may be tried."""
+        """Return whether a change at walking pace has been aborted, or leads off the route now."""
         running = self.manoeuvre
+        if running.running and running.target is not None and leads_off_now(perception, running.target):
+            return True
         waited = perception.ego.time - running.started
         return (
             running.running

@@ -90,3 +90,20 @@ def test_at_the_very_end_of_its_lane_an_ego_that_stands_changes_over_the_crossin
     seen = perception(ego(speed=speed), road, there, crossings=(zebra(7.0),), signals=signals)
     begun = controller.decide(seen).manoeuvre is Manoeuvre.CHANGE_RIGHT
     assert begun is begins
+
+
+@pytest.mark.parametrize("name", ["vo_mpc", "aeb"])
+def test_a_change_that_no_longer_serves_the_route_is_given_up(name: str) -> None:
+    """The ego waited at the end of its lane, and got another route there, which its own lane follows."""
+    controller = catalog.build(name, seed=1)
+    end = {0: Body().front + 12.0, 1: math.inf}
+    road = lanes_that_follow(straight_road(2, 0), end)
+    first = perception(ego(speed=0.0), road)
+    assert controller.decide(first).manoeuvre is Manoeuvre.CHANGE_LEFT
+    anew = lanes_that_follow(straight_road(2, 0), {0: math.inf, 1: Body().front + 0.5})
+    for tick in range(1, 4):
+        seen = perception(ego(speed=0.0, time=0.1 * tick), anew)
+        decision = controller.decide(seen)
+        plan = controller.plan(seen, decision)
+    assert decision.manoeuvre is Manoeuvre.KEEP
+    assert plan.command.acceleration[-1] > 0.5, "it drives on"
