@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cosim.sumo.detours import detour
+from cosim.sumo.detours import detour, pieces_ahead
 from cosim.sumo.driven_ego import DrivenEgo
 from cosim.sumo.network import Network
 from cosim.sumo.placement import Placement
@@ -60,17 +60,18 @@ class Stranded:
 
         Its controller decides how far before the end it waits, because it needs room to turn into a gap.
         """
-        vehicle = self._sumo.vehicle
-        own = vehicle.getLanePosition(ego.name)
-        others = self._sumo.lane.getLastStepVehicleIDs(vehicle.getLaneID(ego.name))
-        return all(vehicle.getLanePosition(name) <= own for name in others)
+        vehicle, on = self._sumo.vehicle, self._sumo.lane.getLastStepVehicleIDs
+        own, following = vehicle.getLanePosition(ego.name), pieces_ahead(ego.track)[1:]
+        if any(on(piece.lane.name) for piece in following):
+            return False
+        return all(vehicle.getLanePosition(name) <= own for name in on(vehicle.getLaneID(ego.name)))
 
     def _take_detour(self, ego: DrivenEgo) -> None:
         """Give an ego another way to its destination, if its lane leads to one."""
         edges = detour(self._network, ego.track)
         if edges and self._placement.reroute(ego.name, edges):
             ego.track = self._takeover.track_of(
-                self._sumo, ego.name, ego.executed, ego.track.route.turning, ego.track.number
+                self._sumo, ego.name, ego.executed, ego.track.route.turning, ego.track
             )
             self.on_detours.append(ego.name)
 

@@ -45,7 +45,9 @@ class Takeover:
         plant = Plant(body, self._drive, *rear, heading, now.speed)
         return DrivenEgo(name, plant, track, now, own_limit(sumo, name), plant.front)
 
-    def track_of(self, sumo: Any, name: str, now: Executed, turning: Turning, number: int = 0) -> Track:
+    def track_of(
+        self, sumo: Any, name: str, now: Executed, turning: Turning, before: Track | None = None
+    ) -> Track:
         """Return a vehicle's place on the route that it has now.
 
         Parameters
@@ -53,7 +55,7 @@ class Takeover:
         sumo, name : the vehicle in SUMO
         now : where SUMO has the vehicle
         turning : how tightly the vehicle turns
-        number : ``Lane.number`` of the lane
+        before : where the vehicle was on its route until now, if it had one already
 
         Raises
         ------
@@ -63,9 +65,12 @@ class Takeover:
         vehicle = sumo.vehicle
         edges, kind = tuple(vehicle.getRoute(name)), vehicle.getVehicleClass(name)
         route = self._routes.route(edges, kind, turning)
-        track = Track(route, vehicle.getRouteIndex(name), vehicle.getLaneIndex(name))
+        index = vehicle.getLaneIndex(name)
+        if before is not None and vehicle.getRoadID(name).startswith(":"):
+            index = before.index  # inside a junction, that of the lane before it
+        track = Track(route, vehicle.getRouteIndex(name), index)
         track.update(now.x, now.y)
-        track.number = number
+        track.number = 0 if before is None else before.number
         return track
 
 

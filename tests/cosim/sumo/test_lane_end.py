@@ -151,6 +151,63 @@ def test_only_the_first_on_a_lane_that_leads_elsewhere_takes_another_way(
     assert json.loads((out / "run.json").read_text())["egos_on_detours"] == detours
 
 
+def split(folder: Path, middle: float, vehicles: str) -> Path:
+    """Return a configuration in which lanes are split off before the junction, so far from its middle."""
+    nodes = NODES.format(type="priority") + f'<node id="m" x="{middle}" y="0" type="priority" radius="2"/>'
+    edges = EDGES.replace('id="wj" from="w"', 'id="mj" from="m"') + WAY_BACK[0]
+    edges += '<edge id="wm" from="w" to="m" numLanes="2" sidewalkWidth="2"/>'
+    built.network(folder, nodes, edges, (CONNECTIONS + WAY_BACK[1]).replace("wj", "mj"))
+    (folder / "n.rou.xml").write_text(f"<routes>{vehicles}</routes>")
+    configuration = folder / "n.sumocfg"
+    configuration.write_text(
+        '<configuration><input><net-file value="n.net.xml"/><route-files value="n.rou.xml"/></input>'
+        '<time><step-length value="0.1"/></time></configuration>'
+    )
+    return configuration
+
+
+EGO = (
+    '<vehicle id="v" depart="12" departLane="1" departPos="{}" departSpeed="0"><route edges="wm mj je"/>'
+    "</vehicle>"
+)
+
+
+@pytest.mark.parametrize(("middle", "position_m", "detours"), [(-20, -3, 1), (-20, -40, 0), (-60, -3, 0)])
+def test_a_lane_that_leads_elsewhere_after_the_next_short_edge_counts(
+    tmp_path: Path, middle: float, position_m: float, detours: int
+) -> None:
+    """Not far before it, nor before a long edge."""
+    out = tmp_path / "run"
+    result = run(
+        RunRequest(
+            str(split(tmp_path, middle, EGO.format(position_m))),
+            "constant_speed",
+            settings={"speed_mps": "0"},
+            duration_s=MISSED + 20.0,
+            ego_vehicle="v",
+            out=out,
+        )
+    )
+    assert result.valid, result.invalid_reason
+    assert json.loads((out / "run.json").read_text())["egos_on_detours"] == ["v"] * detours
+
+
+def test_an_ego_that_waits_where_the_number_of_lanes_changes_takes_another_way(tmp_path: Path) -> None:
+    """Its front is in a junction of 4 m there: it stood for 240 s."""
+    beside = (
+        '<vType id="long" length="60"/><vehicle id="b" type="long" depart="0" departLane="2" departPos="78">'
+        '<route edges="wm mj je"/><stop lane="mj_2" endPos="4" duration="1000"/></vehicle>'
+    )
+    configuration, out = split(tmp_path, -20, beside + EGO.format(30)), tmp_path / "run"
+    result = run(RunRequest(str(configuration), "vo_mpc", duration_s=110.0, ego_vehicle="v", out=out))
+    assert result.valid, result.invalid_reason
+    egos = pd.read_parquet(out / "egos.parquet")
+    waits = egos.loc[egos["speed_mps"] < 0.01, "edge"]
+    assert waits.iloc[len(waits) // 2].startswith(":m")
+    edges = dict.fromkeys(edge for edge in egos["edge"] if not edge.startswith(":"))
+    assert list(edges) == ["wm", "mj", "js", "sj", "je"]
+
+
 def test_a_vehicle_of_sumo_that_blocks_the_road_is_teleported_and_an_ego_is_not(tmp_path: Path) -> None:
     """Not before the ego behind it was handed back, however early the configuration has it."""
     configuration = build(tmp_path, "priority", 40.0, 1.0, others=BESIDE.format(92.0) + STUCK)
