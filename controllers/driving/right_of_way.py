@@ -21,8 +21,8 @@ CONFLICT_GAP = 1.0
 """Distance kept to a conflict when the ego has already passed its stop line [m]."""
 TIME_MARGIN = 1.0
 """Time between one vehicle leaving a conflict and the other entering it [s]."""
-FOE_ACCELERATION = 1.5
-"""Acceleration with which a standing or slow foe may drive on [m/s^2]."""
+FOE_ACCELERATION, REACHED = 1.5, 8.0
+"""Acceleration with which a slow foe may drive on, and the speed that it may reach [m/s^2, m/s]."""
 BEND_ACCELERATION = 2.5
 """Lateral acceleration that the ego is expected to use in the bends on its way [m/s^2]."""
 BRAKING_FOR_BENDS = 2.0
@@ -147,17 +147,24 @@ class RightOfWay:
             return False
         if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
-        return self._meets(foe, perception, TIME_MARGIN)
+        return self._meets(foe, perception, TIME_MARGIN, max(foe.foe_speed, REACHED))
 
-    def _meets(self, foe: JunctionFoe, perception: Perception, margin: float) -> bool:
-        """Return whether ego and foe, if both drive on, are in the conflict less than a margin [s] apart."""
+    def _meets(self, foe: JunctionFoe, perception: Perception, margin: float, reached: float) -> bool:
+        """Return whether ego and foe, if both drive on, are in the conflict less than a margin apart.
+
+        Parameters
+        ----------
+        foe, perception : the foe, and what the ego is told
+        margin : the margin [s]
+        reached : speed up to which the foe may speed up [m/s]
+        """
         ego = perception.ego
         fastest = max((float(value) for value in perception.road.limit), default=30.0)
         fastest = max(fastest, SLOWEST)
         # The ego's earliest entry, if it speeds up, and its latest exit, if it has to slow down for bends.
         enters = travel_time(foe.entry - ego.body.front, max(ego.speed, 0.0), self._acceleration, fastest)
         clears = self._time_to(foe.exit + ego.body.rear_overhang, perception, fastest)
-        arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, max(foe.foe_speed, 8.0))
+        arrives = travel_time(foe.foe_entry, foe.foe_speed, FOE_ACCELERATION, reached)
         leaves = foe.foe_exit / foe.foe_speed if foe.foe_speed > STANDING else math.inf
         return clears + margin > arrives and enters < leaves + margin
 
@@ -176,8 +183,8 @@ class RightOfWay:
     def _before(self, foe: JunctionFoe, perception: Perception) -> StopPlace | None:
         """Return the first place before the conflict where the ego can still stop.
 
-        If it cannot stop any more, it drives on if it gets past before the foe comes or after the foe has
-        left. Otherwise it brakes all the same: it meets the foe later, perhaps not at all, or more slowly.
+        If it cannot stop there any more, it drives on if it gets past before the foe comes or after the foe
+        has left. Otherwise it brakes all the same: it meets the foe later, more slowly, or not at all.
 
         An ego that has passed the line waits at the junction's waiting place: other drivers believe that a
         vehicle beyond it goes first, and stop for it, however far it is from their way. At a green light the
@@ -187,13 +194,16 @@ class RightOfWay:
         before = foe.entry - CONFLICT_GAP
         middle = before if foe.waiting_place is None else min(foe.waiting_place, before)
         inside = _waits_inside(foe, perception)
-        places = ((middle, 0.0), (before, CONFLICT_GAP))
+        places, hardest = ((middle, 0.0), (before, 0.0)), HARD_SHARE * ego.drive.max_deceleration
         for place, overshoot in places if inside else ((foe.stop_line, OVERSHOOT), *places):
-            if _can_stop(place + overshoot, ego, HARD_SHARE * ego.drive.max_deceleration):
+            if _can_stop(place + overshoot, ego, hardest):
                 return StopPlace(foe.name, place)
-        if not self._meets(foe, perception, 0.0):
+        # It brakes hard only for a foe that comes as it drives now, not for one that could speed up.
+        reached = max(foe.foe_speed, REACHED) if foe.name in self._faster else foe.foe_speed
+        if not self._meets(foe, perception, 0.0, reached):
             return None
-        self.firm_line = min(self.firm_line, before)
+        if not _can_stop(foe.entry, ego, hardest):
+            self.firm_line = min(self.firm_line, before)
         return StopPlace(foe.name, before)
 
 

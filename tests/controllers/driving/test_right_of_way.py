@@ -183,6 +183,8 @@ def test_an_ego_that_cannot_stop_any_more_brakes_for_a_foe_that_it_would_hit() -
     rule = RightOfWay(1.8)
     assert rule.stops(perception(ego(8.3), foes=[near])) == [StopPlace("foe", 7.0)]
     assert rule.firm_line == 7.0, "it brakes as hard as it can"
+    creeps = replace(_foe(3.0, 1.4), stop_line=-5.0, entry=8.0, exit=13.0)
+    assert _stops(perception(ego(8.3), foes=[creeps])) == [], "it is not there in time"
     gone_by_then = replace(near, foe_entry=-7.0, foe_exit=1.0)
     assert _stops(perception(ego(8.3), foes=[gone_by_then])) == []
 
