@@ -147,18 +147,19 @@ class RightOfWay:
             return False
         if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
             return False
-        return self._meets(foe, perception, TIME_MARGIN, max(foe.foe_speed, REACHED))
+        return self._meets(foe, perception, TIME_MARGIN, speeds_up=True)
 
-    def _meets(self, foe: JunctionFoe, perception: Perception, margin: float, reached: float) -> bool:
+    def _meets(self, foe: JunctionFoe, perception: Perception, margin: float, speeds_up: bool) -> bool:
         """Return whether ego and foe, if both drive on, are in the conflict less than a margin apart.
 
         Parameters
         ----------
         foe, perception : the foe, and what the ego is told
         margin : the margin [s]
-        reached : speed up to which the foe may speed up [m/s]
+        speeds_up : whether the foe is taken to speed up
         """
         ego = perception.ego
+        reached = max(foe.foe_speed, REACHED) if speeds_up else foe.foe_speed
         fastest = max((float(value) for value in perception.road.limit), default=30.0)
         fastest = max(fastest, SLOWEST)
         # The ego's earliest entry, if it speeds up, and its latest exit, if it has to slow down for bends.
@@ -199,8 +200,7 @@ class RightOfWay:
             if _can_stop(place + overshoot, ego, hardest):
                 return StopPlace(foe.name, place)
         # It brakes hard only for a foe that comes as it drives now, not for one that could speed up.
-        reached = max(foe.foe_speed, REACHED) if foe.name in self._faster else foe.foe_speed
-        if not self._meets(foe, perception, 0.0, reached):
+        if not self._meets(foe, perception, 0.0, speeds_up=foe.name in self._faster):
             return None
         if not _can_stop(foe.entry, ego, hardest):
             self.firm_line = min(self.firm_line, before)

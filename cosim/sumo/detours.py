@@ -7,6 +7,8 @@ have to wait as long as it does.
 
 from __future__ import annotations
 
+import math
+
 from cosim.sumo.lane_chain import Piece
 from cosim.sumo.network import Network
 from cosim.sumo.quickest import quickest, route_to
@@ -35,9 +37,7 @@ def on_a_lane_off_the_route(track: Track) -> bool:
 
 def pieces_ahead(track: Track) -> list[Piece]:
     """Return the lanes from the one that a vehicle is on to the last one that it can follow."""
-    path = track.path
-    here = path.piece_at(track.along)
-    return [piece for piece in path.pieces if piece.start >= here.start]
+    return track.path.between(track.along, math.inf) or [track.path.pieces[-1]]
 
 
 def detour(network: Network, track: Track) -> tuple[str, ...]:

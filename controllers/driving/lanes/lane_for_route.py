@@ -10,8 +10,6 @@ from controllers.interface import Lane, Perception, RoadAhead
 
 SAME_END = 10.0
 """Lanes whose ends differ by less than this end at the same place, as their lengths differ in bends [m]."""
-
-
 STANDS = 1.0
 """An ego below this speed may still go back on a lane change [m/s]."""
 

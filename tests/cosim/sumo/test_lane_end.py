@@ -58,16 +58,39 @@ def build(
 ) -> Path:
     """Return a configuration whose only ego departs in the right lane, so far along it, and goes east."""
     built.network(folder, NODES.format(type=junction), EDGES + way_back[0], CONNECTIONS + way_back[1])
-    (folder / "n.rou.xml").write_text(
-        f'<routes>{others}<vehicle id="v" depart="{depart_s}" departLane="1" departPos="{position_m}" '
-        'departSpeed="0"><route edges="wj je"/></vehicle></routes>'
+    ego = (
+        f'<vehicle id="v" depart="{depart_s}" departLane="1" departPos="{position_m}" '
+        'departSpeed="0"><route edges="wj je"/></vehicle>'
     )
+    return configured(folder, others + ego, 0.5)
+
+
+def configured(folder: Path, vehicles: str, step_s: float) -> Path:
+    """Return a configuration with these vehicles on the network in a folder."""
+    (folder / "n.rou.xml").write_text(f"<routes>{vehicles}</routes>")
     configuration = folder / "n.sumocfg"
     configuration.write_text(
         '<configuration><input><net-file value="n.net.xml"/><route-files value="n.rou.xml"/></input>'
-        '<time><step-length value="0.5"/></time></configuration>'
+        f'<time><step-length value="{step_s}"/></time></configuration>'
     )
     return configuration
+
+
+def stands(configuration: Path, duration_s: float) -> Path:
+    """Let the ego stand for so long where it departs, and return the run's folder."""
+    out = configuration.parent / "run"
+    result = run(
+        RunRequest(
+            str(configuration),
+            "constant_speed",
+            settings={"speed_mps": "0"},
+            duration_s=duration_s,
+            ego_vehicle="v",
+            out=out,
+        )
+    )
+    assert result.valid, result.invalid_reason
+    return out
 
 
 @pytest.mark.parametrize(("junction", "depart_s"), [("priority", 0.0), ("traffic_light", 76.0)])
@@ -89,20 +112,7 @@ def test_an_ego_leaves_a_lane_that_leads_elsewhere_over_the_crossing_at_its_end(
 
 
 def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tmp_path: Path) -> None:
-    configuration = build(tmp_path, "priority", 20.0)
-    out = tmp_path / "run"
-    settings = {"speed_mps": "0"}
-    result = run(
-        RunRequest(
-            str(configuration),
-            "constant_speed",
-            settings=settings,
-            duration_s=STOOD + 120.0,
-            ego_vehicle="v",
-            out=out,
-        )
-    )
-    assert result.valid, result.invalid_reason
+    out = stands(build(tmp_path, "priority", 20.0), STOOD + 120.0)
     assert json.loads((out / "run.json").read_text())["egos_given_up"] == ["v"]
     egos = pd.read_parquet(out / "egos.parquet")
     driven = egos[~egos["handed_back"]]
@@ -135,19 +145,7 @@ def test_only_the_first_on_a_lane_that_leads_elsewhere_takes_another_way(
     tmp_path: Path, others: str, detours: list[str]
 ) -> None:
     """However far before the end of the lane it waits; the others wait for the first."""
-    configuration = build(tmp_path, "priority", 40.0, 1.0, WAY_BACK, others)
-    out = tmp_path / "run"
-    result = run(
-        RunRequest(
-            str(configuration),
-            "constant_speed",
-            settings={"speed_mps": "0"},
-            duration_s=MISSED + 10.0,
-            ego_vehicle="v",
-            out=out,
-        )
-    )
-    assert result.valid, result.invalid_reason
+    out = stands(build(tmp_path, "priority", 40.0, 1.0, WAY_BACK, others), MISSED + 10.0)
     assert json.loads((out / "run.json").read_text())["egos_on_detours"] == detours
 
 
@@ -157,13 +155,7 @@ def split(folder: Path, middle: float, vehicles: str) -> Path:
     edges = EDGES.replace('id="wj" from="w"', 'id="mj" from="m"') + WAY_BACK[0]
     edges += '<edge id="wm" from="w" to="m" numLanes="2" sidewalkWidth="2"/>'
     built.network(folder, nodes, edges, (CONNECTIONS + WAY_BACK[1]).replace("wj", "mj"))
-    (folder / "n.rou.xml").write_text(f"<routes>{vehicles}</routes>")
-    configuration = folder / "n.sumocfg"
-    configuration.write_text(
-        '<configuration><input><net-file value="n.net.xml"/><route-files value="n.rou.xml"/></input>'
-        '<time><step-length value="0.1"/></time></configuration>'
-    )
-    return configuration
+    return configured(folder, vehicles, 0.1)
 
 
 EGO = (
@@ -177,18 +169,7 @@ def test_a_lane_that_leads_elsewhere_after_the_next_short_edge_counts(
     tmp_path: Path, middle: float, position_m: float, detours: int
 ) -> None:
     """Not far before it, nor before a long edge."""
-    out = tmp_path / "run"
-    result = run(
-        RunRequest(
-            str(split(tmp_path, middle, EGO.format(position_m))),
-            "constant_speed",
-            settings={"speed_mps": "0"},
-            duration_s=MISSED + 20.0,
-            ego_vehicle="v",
-            out=out,
-        )
-    )
-    assert result.valid, result.invalid_reason
+    out = stands(split(tmp_path, middle, EGO.format(position_m)), MISSED + 20.0)
     assert json.loads((out / "run.json").read_text())["egos_on_detours"] == ["v"] * detours
 
 
