@@ -223,14 +223,15 @@ def _movement(
         return speed, _Why.STAYS
     if person.waiting and person.crossing is not None:
         return _to_the_crossing(person, person.crossing, assume)
-    outside = person.across > road.left_edge + KERB or person.across < road.right_edge - KERB
+    on_the_road = road.right_edge < person.across < road.left_edge
+    outside = not road.right_edge - KERB <= person.across <= road.left_edge + KERB
     if abs(speed) >= (AT_THE_ROADSIDE if outside else assume.standing_below):
         return speed, _Why.GOES_ON
-    if outside or person.name not in watch.heading:
+    # Those who walk along the kerb go on along it, and those who never walked across the road stay there.
+    if not on_the_road or person.name not in watch.heading:
         return speed, _Why.STAYS
-    # Pedestrians who stop on their way across the road go on; those who never walked across it stay there,
-    # and those who walk along it keep their velocity.
-    if road.right_edge < person.across < road.left_edge and person.has_stopped(assume):
+    # Those who stop on their way across the road go on; those who walk along it keep their velocity.
+    if person.has_stopped(assume):
         return watch.heading[person.name] * assume.resume_speed, _Why.COMES
     return speed, _Why.GOES_ON
 
