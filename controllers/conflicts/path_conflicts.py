@@ -129,8 +129,7 @@ def find(
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
     # they would come first, and the ego could let nobody ahead pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
-    at = people.along if abreast else _along_at_entry(people, enter, forecast)
-    chosen = np.flatnonzero((enter < horizon) & (at + people.radius >= begin))
+    chosen = np.flatnonzero((enter < horizon) & (people.along + people.radius >= begin))
     if not len(chosen):
         return _empty()
     chosen = chosen[np.argsort(enter[chosen], kind="mergesort")]
@@ -179,13 +178,6 @@ def _times_in_band(
         enter = np.where(known.enters, enter, np.where(clearance < occupied, 0.0, np.inf))
         leave = np.where(known.enters, leave, np.inf)
     return across_speed, enter, leave
-
-
-def _along_at_entry(people: Pedestrians, enter: FloatArray, forecast: Forecast | None) -> FloatArray:
-    """Return where people are along the road when they enter the band, shape (n,) [m]."""
-    if forecast is None:
-        return people.along + people.along_speed * np.minimum(enter, STRAIGHT_ON)
-    return np.diagonal(forecast.at(enter).along)
 
 
 def _with_assumptions(forecast: Forecast, people: Pedestrians, known: Expectation) -> Forecast:

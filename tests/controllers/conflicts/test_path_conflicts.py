@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from controllers.conflicts.expected_behaviour import PedestrianAssumptions, Watch, expected
-from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts, find
+from controllers.conflicts.path_conflicts import STRAIGHT_ON, Conflicts
 from controllers.interface import CrossingKind
 from controllers.prediction.constant_velocity import ConstantVelocity
 from controllers.prediction.forecast import Forecast
@@ -64,19 +64,6 @@ def test_somebody_behind_the_car_is_no_conflict_and_does_not_hide_who_is_ahead()
     found = found_among([], perception(ego(speed=0.0), walkers=[behind, ahead]))
     assert found.names == ("person1",)
     assert len(found_among([], perception(ego(speed=0.0), walkers=[replace(behind, along=8.0)]))) == 1
-
-
-@pytest.mark.parametrize(("along_speed", "conflicts"), [(-0.4, 1), (-1.2, 0)])
-@pytest.mark.parametrize("forecast", [False, True])
-def test_whoever_will_be_beside_the_body_can_be_let_pass_no_more_than_who_is_there(
-    along_speed: float, conflicts: int, forecast: bool
-) -> None:
-    """They would be expected behind the front: no braking would let them pass, and no start get past them."""
-    seen = perception(ego(speed=1.0), walkers=[Walker(FRONT + 1.0, -1.75 - 1.3, along_speed, 1.0)])
-    there = ConstantVelocity().predict(seen, np.linspace(0.0, HORIZON, 63)) if forecast else None
-    band = (-0.9, 0.9)
-    found = find(seen, Watch(), band, 0.6, HORIZON, PedestrianAssumptions(), there, abreast=False)
-    assert len(found) == conflicts
 
 
 def test_somebody_who_waits_at_a_zebra_is_expected_to_cross_once_they_move() -> None:
