@@ -203,7 +203,8 @@ class SpeedPlanner:
             too_far = max(float((chosen.plan.position - upper).max()), 0.0)
         if ego.speed >= SLOW:
             return replace(chosen, too_far=too_far) if too_far else chosen
-        goes_on = self.may_enter[conflicts.index[:behind]]
+        # Who has stood before the waiting ego may wait for it to leave, on the crossing too.
+        goes_on = (self.may_enter & ~self._expectation.lets_go)[conflicts.index[:behind]]
         _, places, _ = passing_classes.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
         room = min(waits_at, float(places[goes_on].min(initial=np.inf))) - ego.body.front
         return replace(chosen, too_far=too_far, room=room, stuck=farthest < STUCK_WITHIN < room)

@@ -10,11 +10,12 @@ import qpsolvers
 
 from controllers import catalog
 from controllers.interface import Manoeuvre, Plan, Solves
+from controllers.safety.last_check import WAY_OUT
 from controllers.velocity_obstacle.decision_rules import Rule
 from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
 from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
 from tests.controllers.faulty_solvers import fails, installed
-from tests.controllers.scenes import Car, Walker, ego, perception, straight_road, zebra
+from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride
 
 ONE_LANE = ToyRoad(crossings=(ToyCrossing(60.0),))
@@ -146,6 +147,18 @@ def test_a_change_is_aborted_when_somebody_comes_up_in_the_other_lane() -> None:
     assert decision.target_lane == 0
     assert decision.because == "car1"
     assert controller.plan(closed, decision).solved
+
+
+@pytest.mark.parametrize("across", [-0.95, 0.95])
+def test_it_goes_round_somebody_who_stands_on_the_crossing_and_waits_for_it_to_leave(across: float) -> None:
+    """In SUMO, pedestrians wait on the crossing for a vehicle that waits for the ego."""
+    controller, statuses = catalog.build("vo_mpc"), []
+    stands = Walker(FRONT + 1.8, across, 0.0, 0.0, 0, on_crossing=True)
+    for tick in range(80):
+        state = ego(speed=0.0, time=0.1 * tick)
+        seen = perception(state, straight_road(2), [stands], crossings=[zebra(FRONT + 1.0)])
+        statuses.append(controller.plan(seen, controller.decide(seen)).status)
+    assert statuses[-1] == WAY_OUT
 
 
 def test_the_same_inputs_give_the_same_outputs() -> None:
