@@ -7,7 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from controllers.arrays import BoolArray, FloatArray, IntArray
+from controllers.driving.lanes import way_into_lane
+from controllers.driving.standing import standing
+from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.footprints import Footprints, footprints
+from controllers.geometry.plane import vehicles_in_plane
 from controllers.geometry.swing import swung_out
 from controllers.interface import Perception, Vehicles
 
@@ -70,6 +74,11 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     turning = ~box.same_way & (np.hypot(vehicles.along_speed, vehicles.across_speed) < TURNING_SPEED)
     right, left = _swung_out(perception, box, band, turning)
     soon, later = _ahead(vehicles, box, front, centres, right, left)
+    in_lane = (box.right < band[1]) & (box.left > band[0])
+    swung_at = turning & standing(vehicles) & (soon | later) & ~in_lane
+    if swung_at.any():
+        passed = _passed(perception, band, swung_at)
+        soon, later = soon & ~passed, later & ~passed
     chosen = (soon | later).nonzero()[0]
     if len(chosen) == 0:
         free = np.full(len(times), np.inf)
@@ -79,7 +88,7 @@ def blockade(perception: Perception, band: tuple[float, float], times: FloatArra
     blocking = soon[chosen].nonzero()[0]
     nearest = int(chosen[np.argmin(box.rear[chosen])])
     nobody = np.inf
-    in_lane = (box.right < band[1]) & (box.left > band[0])  # vehicles beside it need no room to leave it
+    # Vehicles beside the lane need no room to leave it.
     room = np.where((turning & in_lane)[chosen], ROOM_TO_TURN, 0.0).reshape(-1, 1)
     return Blockade(
         rear[blocking].min(axis=0, initial=nobody),
@@ -113,6 +122,31 @@ def _swung_out(
         right[i] -= out[beside & (road.curvature > 0.0)].max(initial=0.0)
         left[i] += out[beside & (road.curvature < 0.0)].max(initial=0.0)
     return right, left
+
+
+def _passed(perception: Perception, band: tuple[float, float], who: BoolArray) -> BoolArray:
+    """Return which vehicles the true body passes at the distance that the band keeps, shape (n,).
+
+    :func:`_swung_out` takes the front to be as far ahead along the road as it is from the rear axle. In a
+    tight bend it is less far, so that a front that seems to swing into a vehicle may have left the bend by
+    then.
+
+    Parameters
+    ----------
+    perception, band : as for :func:`blockade`
+    who : vehicles to be considered, shape (n,)
+    """
+    them, body = perception.vehicles, perception.ego.body
+    fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
+    middle = fronts - 0.5 * them.length[:, None] * np.column_stack((np.cos(headings), np.sin(headings)))
+    boxes = Boxes(middle[who, 0], middle[who, 1], headings[who], them.length[who], them.width[who])
+    farthest = float(footprints(them).front[who].max()) + body.rear_overhang
+    _, way = way_into_lane.poses(perception, 0.5 * (band[0] + band[1]), farthest)
+    x, y, heading = way[:, :, None]
+    least = box_clearances(x, y, heading, body, boxes).min(axis=(0, 1))
+    passed = np.zeros(len(who), dtype=np.bool_)
+    passed[who] = least > 0.5 * (band[1] - band[0] - body.width)
+    return passed
 
 
 def _ahead(

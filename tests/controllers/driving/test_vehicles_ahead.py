@@ -129,3 +129,14 @@ def test_the_front_swings_out_in_a_tight_bend_towards_a_vehicle_that_stands_besi
     assert names == ["car0", "", "", "", ""]
     found = blockade(perception(road=tight, cars=[stands]), BAND, TIMES)
     assert found.follow == pytest.approx(found.rear), "it is beside the lane and needs no room to leave it"
+
+
+@pytest.mark.parametrize(("along", "blocks"), [(12.0, True), (14.0, False)])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_behind_a_tight_bend_the_front_has_swung_back_before_vehicles_at_their_line(
+    side: float, along: float, blocks: bool
+) -> None:
+    left_hand = bend(straight_road(3, 1), 2.0, 5.0, 8.0)
+    road = replace(left_hand, curvature=-side * left_hand.curvature)
+    oncoming = Car(along, side * 2.3, heading_error=np.pi)
+    assert (blockade(perception(road=road, cars=[oncoming]), BAND, TIMES).name == "car0") == blocks
