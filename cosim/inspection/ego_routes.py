@@ -8,8 +8,8 @@ from itertools import pairwise
 
 from controllers.interface import CrossingKind
 from cosim.inspection.demand import Demand
-from cosim.inspection.ways import CAR, TURNAROUND, Movement, Ways
-from cosim.sumo.network import NetCrossing
+from cosim.inspection.ways import CAR, Movement, Ways
+from cosim.sumo.network import TURNAROUND, NetCrossing
 from cosim.sumo.quickest import route_to
 
 MOST = 5

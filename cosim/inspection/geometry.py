@@ -10,11 +10,11 @@ import numpy as np
 from analysis.polylines import inside
 from cosim.arrays import FloatArray
 from cosim.inspection.finding import Finding, Level
-from cosim.inspection.ways import CAR, TURNAROUND
+from cosim.inspection.ways import CAR
 from cosim.sensing.lines_of_sight import distance_to_pieces
 from cosim.sumo.bends import CAR as CAR_TURNING
 from cosim.sumo.bends import widened
-from cosim.sumo.network import Connection, NetCrossing, Network
+from cosim.sumo.network import TURNAROUND, Connection, NetCrossing, Network
 from cosim.sumo.path import Path
 
 HALF_CAR = 0.9

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cosim.inspection.ways import TURNAROUND, Movement, Ways
+from cosim.inspection.ways import Movement, Ways
+from cosim.sumo.network import TURNAROUND
 from cosim.sumo.network_file import read_network
 
 MANOEUVRES = {"s": "straight", "l": "left", "L": "left", "r": "right", "R": "right"}

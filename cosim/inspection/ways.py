@@ -11,7 +11,6 @@ from cosim.sumo.network import NetCrossing, Network
 from cosim.sumo.quickest import quickest
 
 CAR = "passenger"
-TURNAROUND = "t"
 
 
 @dataclass(frozen=True, slots=True)

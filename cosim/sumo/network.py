@@ -60,6 +60,10 @@ class NetLane:
         return float(np.hypot(*np.diff(self.shape, axis=0).T).sum())
 
 
+TURNAROUND = "t"
+"""Direction of a connection that turns round."""
+
+
 @dataclass(frozen=True, slots=True)
 class Connection:
     """Connection from one lane to another."""
@@ -69,6 +73,7 @@ class Connection:
     via: tuple[str, ...]
     """Internal lanes between the two, in driving order."""
     direction: str
+    """SUMO's letter: s, l, r and so on; ``TURNAROUND`` with left-hand traffic, too."""
     signal: str
     """Id of the traffic light that controls it; empty if there is none."""
     signal_index: int

@@ -17,6 +17,7 @@ from controllers.interface import CrossingKind
 from cosim.arrays import FloatArray
 from cosim.errors import InputError
 from cosim.sumo.network import (
+    TURNAROUND,
     Connection,
     NetCrossing,
     NetLane,
@@ -79,6 +80,11 @@ def _elements(source: BinaryIO) -> Iterator[ElementTree.Element]:
         if depth == 1 and root is not None:
             yield element
             root.clear()
+
+
+def _direction(letter: str) -> str:
+    """Return a connection's direction; SUMO writes turnarounds of left-hand traffic as ``T``."""
+    return TURNAROUND if letter == "T" else letter
 
 
 def _classes(text: str | None) -> frozenset[str] | None:
@@ -241,7 +247,7 @@ class _Reader:
                     source,
                     self._name(link.attrib["to"], link.attrib["toLane"]),
                     self._via(link),
-                    link.get("dir", "s"),
+                    _direction(link.get("dir", "s")),
                     link.get("tl", ""),
                     int(link.get("linkIndex", "-1")),
                     link.get("state") == ALLWAY_STOP,

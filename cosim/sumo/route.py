@@ -14,7 +14,7 @@ from cosim.errors import InputError
 from cosim.sumo.bends import CAR, Turning
 from cosim.sumo.lane_chain import joined
 from cosim.sumo.lane_path import LanePath
-from cosim.sumo.network import Connection, NetLane, Network
+from cosim.sumo.network import TURNAROUND, Connection, NetLane, Network
 
 VIEW = 250.0
 """A path reaches this far beyond the end of its edge [m]."""
@@ -138,7 +138,7 @@ class Route:
             and self.network.lanes[connection.source].permissions.allows(self.vehicle_class)
         ]
         if step <= 0:
-            incoming = [c for c in incoming if c.direction != "t"]
+            incoming = [c for c in incoming if c.direction != TURNAROUND]
         else:
             before = self.edges[step - 1]
             incoming = [c for c in incoming if self.network.lanes[c.source].edge == before]

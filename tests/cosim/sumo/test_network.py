@@ -8,7 +8,7 @@ import pytest
 
 from controllers.interface import CrossingKind
 from cosim.errors import InputError
-from cosim.sumo.network import Network
+from cosim.sumo.network import TURNAROUND, Network
 from cosim.sumo.network_file import read_network
 from sumo_scenarios.sumo_installation import netconvert
 
@@ -95,6 +95,16 @@ def test_pedestrians_wait_for_a_stream_of_cars_unless_nothing_is_regulated(
     finally:
         libsumo.close()
     assert on_it is not waited
+
+
+def test_a_turnaround_is_one_whichever_side_traffic_keeps_to(tmp_path: Path) -> None:
+    net = tmp_path / "net.xml"
+    netgenerate = netconvert().with_name("netgenerate")
+    for side in ([], ["--lefthand"]):
+        options = ["--grid", "--grid.number=2", "--grid.attach-length=50", *side]
+        subprocess.run([netgenerate, *options, "-o", net], check=True, capture_output=True)
+        (at_the_end,) = read_network(net).connections["A0bottom0_0"]
+        assert (at_the_end.target, at_the_end.direction) == ("bottom0A0_0", TURNAROUND)
 
 
 @pytest.mark.parametrize(
