@@ -41,8 +41,9 @@ class EgoTracks:
         for name, index in by_name(rows, "ego_id"):
             number = {key: values[index] for key, values in rows.numbers.items()}
             time = number["time_s"]
-            for piece in unbroken(run, time, number["front_x_m"], number["front_y_m"], number["speed_mps"]):
-                heading = np.unwrap(number["heading_rad"][piece])
+            x, y, turned = number["front_x_m"], number["front_y_m"], number["heading_rad"]
+            for piece in unbroken(run, time, x, y, number["speed_mps"], heading=turned):
+                heading = np.unwrap(turned[piece])
                 self._pieces.append((name, step_of(run, time[piece][0]), index[piece], heading))
 
     def __iter__(self) -> Iterator[Track]:

@@ -18,6 +18,8 @@ from analysis.recording.reading import Columns, RecordedRun
 from analysis.thresholds import Thresholds
 
 _JUMP_M = 2.0
+_JUMP_RAD, _TIGHTEST_M = 1.0, 2.0
+"""Vehicles do not turn by more than this angle and 1.5 times what they turn at this radius in a step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,15 +63,21 @@ def unbroken(
     y: FloatArray,
     speed: FloatArray,
     left_out: IntArray | None = None,
+    heading: FloatArray | None = None,
 ) -> list[slice]:
     """Return the stretches without a missing instant and without a jump.
 
     ``left_out`` is the number of rows that were left out before each row on purpose; these are not missing.
+    With a ``heading``, a vehicle that is turned round in a step jumps, too: SUMO turns one round on a lane
+    that is drawn against its way.
     """
     step = np.searchsorted(run.times, np.round(time, 6))
     reach = 1.5 * np.maximum(speed[1:], speed[:-1]) * np.diff(time) + _JUMP_M
     missed = np.diff(step) - 1 - (0 if left_out is None else left_out[1:])
     broken = (missed != 0) | (np.hypot(np.diff(x), np.diff(y)) > reach)
+    if heading is not None:
+        turned = np.abs((np.diff(heading) + math.pi) % (2.0 * math.pi) - math.pi)
+        broken |= turned > _JUMP_RAD + (reach - _JUMP_M) / _TIGHTEST_M
     ends = [0, *(np.flatnonzero(broken) + 1).tolist(), len(time)]
     return [slice(a, b) for a, b in pairwise(ends)]
 

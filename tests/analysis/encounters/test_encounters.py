@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,14 @@ def test_a_fast_car_does_not_jump_over_a_pedestrian_at_a_step_of_a_second(tmp_pa
     # Front at 15 − 0.25 m: −6 + 14 t + 2.25 = 14.75.
     assert row["t_collision_s"] == pytest.approx(18.5 / 14, abs=1e-6)
     assert row["impact_side"] == "front"
+
+
+def test_an_ego_that_sumo_turns_round_within_a_step_sweeps_nobody_from_the_road(tmp_path: Path) -> None:
+    """SUMO does so with an ego handed back to it on a lane that is drawn against its way."""
+    turned = {"heading_rad": lambda t: 0.0 if t < 2.0 else math.pi}
+    ego = Ego(line(0, 0, 2, 0), columns=turned)
+    beside = Person(line(4.0 + 0.5 * 4.5, 1.6, 0, 0))
+    assert analyse(tmp_path, ego, beside, duration=4.0).run["n_collisions"] == 0
 
 
 def test_contacts_further_apart_than_two_seconds_are_two_collisions(tmp_path: Path) -> None:
