@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cosim.sumo.network import NetCrossing, Network
+from cosim.sumo.network import Connection, NetCrossing, Network
 from cosim.sumo.quickest import quickest
 
 CAR = "passenger"
@@ -84,7 +84,17 @@ def _movements(network: Network) -> list[Movement]:
     for edge in network.roads:
         for index in network.allowed_lanes(edge, CAR):
             for one in network.connections.get(network.edges[edge][index], ()):
-                if one.via and network.passable(one, CAR):
-                    junction = one.via[0][1:].rsplit("_", 2)[0]
-                    found[Movement(edge, network.lanes[one.target].edge, junction, one.direction)] = None
+                if network.passable(one, CAR):
+                    target = network.lanes[one.target].edge
+                    found[Movement(edge, target, _junction(network, edge, one), one.direction)] = None
     return list(found)
+
+
+def _junction(network: Network, edge: str, connection: Connection) -> str:
+    """Return the junction through which a connection leads; the network may lack internal lanes."""
+    if connection.via:
+        return connection.via[0][1:].rsplit("_", 2)[0]
+    target = network.lanes[connection.target].edge
+    return min(
+        network.junctions.get(edge, frozenset()) & network.junctions.get(target, frozenset()), default=""
+    )

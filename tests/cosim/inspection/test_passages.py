@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from cosim.inspection.passages import passages, read_ways
@@ -31,6 +33,17 @@ def test_every_turn_passes_the_crossings_of_the_arms_that_it_leaves_and_enters(w
         assert 180.0 < ways.length(one.source) < 200.0  # 200 m between nodes, less the junction
         assert one.name == f"{one.crossing} {one.manoeuvre} from {one.source} to {one.target}"
     assert [one.name for one in found] == sorted(one.name for one in found)
+
+
+def test_roads_are_connected_without_internal_lanes_too(tmp_path: Path, ways: Ways) -> None:
+    """Cars of such a network drive from edge to edge, which is no fault of the demand."""
+    bare = read_ways(towns.build(tmp_path, "--no-internal-links", "--no-turnarounds"))
+    onward = {
+        road: {(one.target, one.junction) for one in movements} for road, movements in ways.onward.items()
+    }
+    found = {road: {(one.target, one.junction) for one in moves} for road, moves in bare.onward.items()}
+    assert found == onward
+    assert found["east_1"] == {("east_2", "b"), ("north", "b")}
 
 
 def test_only_the_crossings_that_are_asked_for_and_approaches_that_fit(ways: Ways) -> None:
