@@ -20,6 +20,15 @@ _STILL = 1e-12
 """Speeds below this count as zero, since nothing is reached within a relevant time [m/s]."""
 
 
+def turned(heading: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the angles between headings, from 0 to pi [rad].
+
+    >>> turned(np.array([0.1, 3.0]), np.array([-0.1, -3.0])).round(3).tolist()
+    [0.2, 0.283]
+    """
+    return np.asarray(np.abs((other - heading + np.pi) % (2.0 * np.pi) - np.pi))
+
+
 def to_frame(x: Number, y: Number, heading: Number) -> tuple[FloatArray, FloatArray]:
     """Return the vector (x, y) in axes rotated by ``heading`` [rad]."""
     cos, sin = np.cos(heading), np.sin(heading)

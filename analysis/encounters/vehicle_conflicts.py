@@ -19,7 +19,7 @@ import numpy as np
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.vehicle_encroachment import Encroachment
-from analysis.geometry import to_frame
+from analysis.geometry import to_frame, turned
 from analysis.recording.fine_grid import Grid
 from analysis.recording.levels import Levels
 from analysis.recording.tracks import Track, Way
@@ -210,7 +210,7 @@ def _times_to_collision(ego: Track, vehicle: Track, both: _Together) -> FloatArr
 def _kinds(ego: Track, vehicle: Track, both: _Together, angle_deg: float) -> tuple[IntArray, FloatArray]:
     """Return the number of the kind at each sample, and the DRAC of the follower; nan for other kinds."""
     heading, other_heading = ego.heading[both.own], vehicle.heading[both.other]
-    turn = np.abs((other_heading - heading + np.pi) % (2.0 * np.pi) - np.pi)
+    turn = turned(heading, other_heading)
     limit = np.radians(angle_deg)
     kinds = np.full(len(turn), KINDS.index(CROSSING))
     kinds[turn <= limit] = KINDS.index(BESIDE)

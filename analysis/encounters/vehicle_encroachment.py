@@ -10,7 +10,7 @@ import scipy
 
 from analysis.arrays import BoolArray, FloatArray, IntArray
 from analysis.encounters.candidates import STAY_S, VEHICLE_SPACING_M, places_on
-from analysis.geometry import rectangle_separation
+from analysis.geometry import rectangle_separation, turned
 from analysis.recording.fine_grid import Grid
 from analysis.recording.levels import Levels
 from analysis.recording.tracks import Way
@@ -79,7 +79,7 @@ def encroachments(
 
 
 def _crosses(heading: FloatArray, other: FloatArray, angle_deg: float) -> BoolArray:
-    turn = np.abs((other - heading + np.pi) % (2.0 * np.pi) - np.pi)
+    turn = turned(heading, other)
     limit = np.radians(angle_deg)
     return np.asarray((turn > limit) & (turn < np.pi - limit))
 

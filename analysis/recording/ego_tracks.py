@@ -41,9 +41,9 @@ class EgoTracks:
         for name, index in by_name(rows, "ego_id"):
             number = {key: values[index] for key, values in rows.numbers.items()}
             time = number["time_s"]
-            x, y, turned = number["front_x_m"], number["front_y_m"], number["heading_rad"]
-            for piece in unbroken(run, time, x, y, number["speed_mps"], heading=turned):
-                heading = np.unwrap(turned[piece])
+            x, y, headings = number["front_x_m"], number["front_y_m"], number["heading_rad"]
+            for piece in unbroken(run, time, x, y, number["speed_mps"], heading=headings):
+                heading = np.unwrap(headings[piece])
                 self._pieces.append((name, step_of(run, time[piece][0]), index[piece], heading))
 
     def __iter__(self) -> Iterator[Track]:

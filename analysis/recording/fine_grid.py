@@ -14,12 +14,13 @@ from itertools import pairwise
 import numpy as np
 
 from analysis.arrays import FloatArray, IntArray
+from analysis.geometry import turned
 from analysis.recording.reading import Columns, RecordedRun
 from analysis.thresholds import Thresholds
 
 _JUMP_M = 2.0
 _JUMP_RAD, _TIGHTEST_M = 1.0, 2.0
-"""Vehicles do not turn by more than this angle and 1.5 times what they turn at this radius in a step."""
+"""In a step, vehicles turn by this angle plus 1.5 times what they turn at this radius, at most [rad, m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +73,11 @@ def unbroken(
     that is drawn against its way.
     """
     step = np.searchsorted(run.times, np.round(time, 6))
-    reach = 1.5 * np.maximum(speed[1:], speed[:-1]) * np.diff(time) + _JUMP_M
+    driven = 1.5 * np.maximum(speed[1:], speed[:-1]) * np.diff(time)
     missed = np.diff(step) - 1 - (0 if left_out is None else left_out[1:])
-    broken = (missed != 0) | (np.hypot(np.diff(x), np.diff(y)) > reach)
+    broken = (missed != 0) | (np.hypot(np.diff(x), np.diff(y)) > driven + _JUMP_M)
     if heading is not None:
-        turned = np.abs((np.diff(heading) + math.pi) % (2.0 * math.pi) - math.pi)
-        broken |= turned > _JUMP_RAD + (reach - _JUMP_M) / _TIGHTEST_M
+        broken |= turned(heading[:-1], heading[1:]) > driven / _TIGHTEST_M + _JUMP_RAD
     ends = [0, *(np.flatnonzero(broken) + 1).tolist(), len(time)]
     return [slice(a, b) for a, b in pairwise(ends)]
 

@@ -9,9 +9,9 @@ import numpy as np
 from controllers.arrays import BoolArray, FloatArray, IntArray
 from controllers.driving.lanes import way_into_lane
 from controllers.driving.standing import standing
-from controllers.geometry.box_clearances import Boxes, box_clearances
+from controllers.geometry.box_clearances import box_clearances
+from controllers.geometry.boxes_of_vehicles import boxes_straight_on
 from controllers.geometry.footprints import Footprints, footprints
-from controllers.geometry.plane import vehicles_in_plane
 from controllers.geometry.swing import swung_out
 from controllers.interface import Perception, Vehicles
 
@@ -136,13 +136,11 @@ def _passed(perception: Perception, band: tuple[float, float], who: BoolArray) -
     perception, band : as for :func:`blockade`
     who : vehicles to be considered, shape (n,)
     """
-    them, body = perception.vehicles, perception.ego.body
-    fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
-    middle = fronts - 0.5 * them.length[:, None] * np.column_stack((np.cos(headings), np.sin(headings)))
-    boxes = Boxes(middle[who, 0], middle[who, 1], headings[who], them.length[who], them.width[who])
-    farthest = float(footprints(them).front[who].max()) + body.rear_overhang
+    body = perception.ego.body
+    farthest = float(footprints(perception.vehicles).front[who].max()) + body.rear_overhang
     _, way = way_into_lane.poses(perception, 0.5 * (band[0] + band[1]), farthest)
     x, y, heading = way[:, :, None]
+    boxes = boxes_straight_on(perception, who)
     least = box_clearances(x, y, heading, body, boxes).min(axis=(0, 1))
     passed = np.zeros(len(who), dtype=np.bool_)
     passed[who] = least > 0.5 * (band[1] - band[0] - body.width)

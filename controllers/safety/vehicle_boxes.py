@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes
+from controllers.geometry.boxes_of_vehicles import NONE, boxes_straight_on
 from controllers.geometry.footprints import footprints
-from controllers.geometry.plane import to_plane, vehicles_in_plane
+from controllers.geometry.plane import to_plane
 from controllers.interface import Perception
 
 STANDING = 0.5
@@ -20,13 +21,10 @@ all others [m]."""
 DRIVEN_FOR = np.linspace(0.0, 3.0, 7)
 """Instants at which driving vehicles are considered [s]."""
 
-NONE = Boxes(*np.empty((5, 0)))
-"""No vehicle."""
-
 
 def standing_vehicles(perception: Perception) -> Boxes:
     """Return the standing vehicles, in the plane of :mod:`controllers.geometry.plane`."""
-    return _boxes(perception, _near(perception, NEAR) & _stand(perception), np.zeros(1))
+    return boxes_straight_on(perception, _near(perception, NEAR) & _stand(perception))
 
 
 def driving_vehicles(perception: Perception) -> Boxes:
@@ -37,7 +35,7 @@ def driving_vehicles(perception: Perception) -> Boxes:
     them = perception.vehicles
     follow = footprints(them).same_way & (them.along < 0.0)
     who = _near(perception, NEAR_DRIVING) & ~_stand(perception) & ~follow
-    return _boxes(perception, who, DRIVEN_FOR)
+    return boxes_straight_on(perception, who, DRIVEN_FOR)
 
 
 def crossing_vehicles(perception: Perception, times: FloatArray) -> Boxes:
@@ -125,21 +123,8 @@ def _stand(perception: Perception) -> NDArray[np.bool_]:
 
 def _straight_on(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:
     """Return m vehicles at each of K instants if they drive straight on: places of shape (K, m)."""
-    boxes, shape = _boxes(perception, who, times), (len(times), int(who.sum()))
+    boxes, shape = boxes_straight_on(perception, who, times), (len(times), int(who.sum()))
     if not shape[1]:
         return boxes
     sides = (values.reshape(shape)[0] for values in boxes[2:])
     return Boxes(boxes.x.reshape(shape), boxes.y.reshape(shape), *sides)
-
-
-def _boxes(perception: Perception, who: NDArray[np.bool_], times: FloatArray) -> Boxes:
-    """Return m vehicles at K instants [s] if they drive straight on: K * m boxes."""
-    them = perception.vehicles
-    if not who.any():
-        return NONE
-    fronts, headings = vehicles_in_plane(perception.ego, perception.road, them)
-    heading, length, width = headings[who], them.length[who], them.width[who]
-    speed = np.hypot(them.along_speed[who], them.across_speed[who])
-    ahead = np.outer(times, speed) - 0.5 * length
-    x, y = fronts[who, 0] + ahead * np.cos(heading), fronts[who, 1] + ahead * np.sin(heading)
-    return Boxes(x.ravel(), y.ravel(), *(np.tile(values, len(times)) for values in (heading, length, width)))

@@ -73,7 +73,7 @@ class Connection:
     via: tuple[str, ...]
     """Internal lanes between the two, in driving order."""
     direction: str
-    """SUMO's letter: s, l, r and so on; ``TURNAROUND`` with left-hand traffic, too."""
+    """SUMO's letter: s, l, r and so on; ``TURNAROUND`` whichever side traffic keeps to."""
     signal: str
     """Id of the traffic light that controls it; empty if there is none."""
     signal_index: int

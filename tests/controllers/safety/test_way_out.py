@@ -10,12 +10,12 @@ import pytest
 from controllers import catalog
 from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes, box_clearances
+from controllers.geometry.boxes_of_vehicles import NONE
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Body, Crossing, Perception, Plan, Signal, SignalState
 from controllers.safety import free_way
 from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
-from controllers.safety.vehicle_boxes import NONE
 from controllers.safety.way_out import (
     A_CYCLE,
     INCHING,
