@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import get_context
 from multiprocessing.connection import Pipe
@@ -87,19 +87,28 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def hold_back(number: signal.Signals) -> Callable[[], None]:
-    """Hold back a signal without affecting processes started meanwhile; the returned function delivers it."""
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold back Ctrl-C and SIGTERM until the end of this block; processes started meanwhile are not affected.
+
+    An interrupt inside a lock, a queue or a future leaves it locked, or a thread that waits for it asleep for
+    ever. Blocking the signals is not enough: a thread of a library may take them.
+    """
     if threading.current_thread() is not threading.main_thread():
-        return lambda: None
+        yield  # signals come to the main thread only
+        return
     held: list[int] = []
-    before = signal.signal(number, lambda came, frame: held.append(came))
-
-    def let_come() -> None:
-        signal.signal(number, before)
+    before = {
+        number: signal.signal(number, lambda came, frame: held.append(came))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
         if held:
-            signal.raise_signal(number)
-
-    return let_come
+            signal.raise_signal(held[0])
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from cosim.batches.job import Job
 from cosim.batches.ledger import Ledger
 from cosim.batches.outcome import Outcome, says_full
 from cosim.errors import CosimError, SimulationError
+from cosim.processes import uninterrupted
 
 ATTEMPTS = 2
 LOSSES_IN_A_ROW = 20
@@ -97,13 +98,14 @@ def conduct(
     over: SimpleQueue[Future[Outcome]] = SimpleQueue()
     losses = 0
     while waiting or running:
-        capacity = crew.capacity()
-        while waiting and len(running) < capacity:
-            job = waiting.popleft()
-            submissions += 1
-            future = crew.submit(job, ledger.work_folder(job, submissions))
-            running.add(future)
-            future.add_done_callback(over.put)
+        with uninterrupted():
+            capacity = crew.capacity()
+            while waiting and len(running) < capacity:
+                job = waiting.popleft()
+                submissions += 1
+                future = crew.submit(job, ledger.work_folder(job, submissions))
+                running.add(future)
+                future.add_done_callback(over.put)
         tally.running = min(len(running), crew.processes)
         show(tally)
         try:

@@ -91,17 +91,20 @@ class Pool:
 
     def close(self) -> None:
         """End the processes, including the runs that they are making."""
-        if self._pool is not None:
-            self._pool.stop()
-            self._pool.join()
-            self._pool = None
+        with processes.uninterrupted():
+            if self._pool is not None:
+                self._pool.stop()
+                self._pool.join()
+                self._pool = None
 
     def _schedule(
         self, function: Callable[..., Any], arguments: tuple[Any, ...], timeout_s: float, read: Any
     ) -> Future[Any]:
         result: Future[Any] = Future()
-        inner = self._running().schedule(function, args=arguments, timeout=timeout_s)
-        inner.add_done_callback(lambda done: result.set_result(read(done)))
+        # If this process ended now, a child that is just starting would outlive it and print an error.
+        with processes.uninterrupted():
+            inner = self._running().schedule(function, args=arguments, timeout=timeout_s)
+            inner.add_done_callback(lambda done: result.set_result(read(done)))
         return result
 
     def _running(self) -> Any:
@@ -115,10 +118,6 @@ class Pool:
             if sys.platform != "win32":
                 before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
                 end.callback(signal.pthread_sigmask, signal.SIG_SETMASK, before)
-            # If this process ended now, a child that is just starting would outlive it and print an error.
-            # Blocking is not enough: a thread of a library may take the signal.
-            for number in (signal.SIGINT, signal.SIGTERM):
-                end.callback(processes.hold_back(number))
             if self._pool is not None and not self._pool.active:
                 self.close()
             if self._pool is None:

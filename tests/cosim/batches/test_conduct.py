@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import signal
+import sys
+import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 
@@ -13,6 +18,8 @@ from cosim.batches.identity import Identity
 from cosim.batches.job import Job
 from cosim.batches.ledger import Ledger
 from cosim.batches.outcome import Outcome
+from cosim.batches.pool import Pool
+from cosim.batches.worker import Handling
 from cosim.errors import SimulationError
 from tests.cosim.batches.studies import some_job, write_study
 
@@ -88,3 +95,33 @@ def test_a_full_disk_ends_the_batch_at_once(ledger: Ledger) -> None:
         made(crew, ledger)
     assert crew.attempts == 1
     assert ledger.failures() == []
+
+
+@pytest.mark.parametrize("module", ["queue.py", "_base.py"])
+def test_an_interrupt_never_ends_code_that_holds_a_lock_of_the_processes(ledger: Ledger, module: str) -> None:
+    """A queue left in the middle of a ``put`` let a thread of the pool sleep for ever, and the batch with it."""
+    with Pool(1, Handling(60.0)) as pool:
+        pool.check(JOB, start_sumo=False).result()  # the pool has started
+        sys.settrace(_interrupted_in(module))
+        try:
+            with pytest.raises(KeyboardInterrupt) as caught:
+                conduct([JOB], pool, ledger, _nobody_asks, Tally(total=1), lambda _: None)
+        finally:
+            sys.settrace(None)
+    places = [Path(frame.filename).name for frame in traceback.extract_tb(caught.value.__traceback__)]
+    assert "conduct.py" in places
+    assert module not in places
+
+
+def _interrupted_in(module: str) -> Any:
+    """Return a tracer that sends Ctrl-C as soon as this process executes code of the module."""
+    sent = False
+
+    def trace(frame: FrameType, event: str, argument: object) -> Any:
+        nonlocal sent
+        if not sent and Path(frame.f_code.co_filename).name == module:
+            sent = True
+            signal.raise_signal(signal.SIGINT)
+        return trace
+
+    return trace
