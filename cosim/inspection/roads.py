@@ -88,7 +88,10 @@ def guess_options(network: Network, sidewalks: bool) -> list[str]:
     speeds = sorted(network.lanes[network.edges[edge][-1]].speed for edge in car_edges(network)) or [13.89]
     speed = max([one for one in speeds if one <= _TOWN_SPEED_MPS] or speeds)
     walks = ["--sidewalks.guess", "--sidewalks.guess.max-speed", f"{speed:g}"] if sidewalks else []
-    return [*walks, "--crossings.guess", "--crossings.guess.speed-threshold", f"{speed:g}"]
+    # Crossings lie inside junctions, which netconvert leaves empty if they are so in the network.
+    inside = any(lane.internal for lane in network.lanes.values())
+    junctions = [] if inside else ["--no-internal-links", "false"]
+    return [*walks, "--crossings.guess", "--crossings.guess.speed-threshold", f"{speed:g}", *junctions]
 
 
 def with_crossings(net_file: Path) -> str:

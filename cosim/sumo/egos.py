@@ -139,7 +139,7 @@ class EgoSources:
         Raises
         ------
         InputError
-            If a vehicle requested as an ego cannot be driven on a road.
+            If a vehicle requested as an ego cannot be driven on a road, or is a taxi.
         """
         chosen = []
         own = {trip.name for trip in self.trips}
@@ -154,6 +154,11 @@ class EgoSources:
                 kind = sumo.vehicle.getVehicleClass(name)
                 if kind in ROADLESS_CLASSES:
                     raise InputError(f'vehicle "{name}" is of class {kind}; an ego has to drive on a road')
+                if is_taxi(sumo, name):
+                    raise InputError(
+                        f'vehicle "{name}" is a taxi, whose way SUMO decides anew for each passenger; '
+                        "expected a vehicle that drives to its own destination"
+                    )
                 chosen.append(name)
             elif self._egos.share and is_private_car(sumo, name):
                 self._cars_seen += 1
@@ -195,7 +200,12 @@ def is_private_car(sumo: Any, name: str) -> bool:
     vehicle = sumo.vehicle
     if vehicle.getVehicleClass(name) != PASSENGER or vehicle.getPersonNumber(name) > 0:
         return False
-    return bool(vehicle.getParameter(name, "has.taxi.device") != "true")
+    return not is_taxi(sumo, name)
+
+
+def is_taxi(sumo: Any, name: str) -> bool:
+    """Return whether SUMO sends a vehicle to passengers who call it."""
+    return bool(sumo.vehicle.getParameter(name, "has.taxi.device") == "true")
 
 
 def drawn(seed: int, name: str) -> float:

@@ -101,6 +101,22 @@ def test_where_no_crossing_can_be_guessed_there_is_no_scenario(
     assert not (tmp_path / "mine").exists()
 
 
+@pytest.mark.parametrize("walks", [(), WALKS])
+def test_a_network_without_lanes_inside_its_junctions_gets_them_with_its_crossings(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], walks: tuple[str, ...]
+) -> None:
+    build(tmp_path, *walks, "--no-internal-links")
+    main(["inspect", "town.net.xml"])
+    (command,) = {
+        line.strip()
+        for line in capsys.readouterr().out.splitlines()
+        if line.lstrip().startswith("netconvert")
+    }
+    call_line(command, tmp_path)
+    assert main(["inspect", "town-crossings.net.xml"]) == 0
+    assert "3 without priority" in capsys.readouterr().out
+
+
 @pytest.mark.sumo
 def test_a_scenario_made_from_a_network_alone_has_encounters(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)

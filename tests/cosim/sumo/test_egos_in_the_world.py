@@ -15,6 +15,7 @@ VAN = (
     '<vType id="van" vClass="delivery" length="6.5" width="2.1"/>'
     '<vehicle id="v" type="van" depart="5" departSpeed="8"><route edges="am mj jb"/></vehicle>'
 )
+TAXI = 'vClass="taxi"><param key="has.taxi.device" value="true"/>'
 FLOW = '<flow id="f" type="car" begin="0" end="60" period="3" from="am" to="jb" departSpeed="8"/>'
 
 
@@ -97,6 +98,19 @@ def test_a_share_is_taken_of_cars_that_only_a_calibrator_inserts(open_world: Ope
     world = open_world("", Egos(share=1.0), duration_s=20.0, additional=calibrator)
     egos = {ego.name for snapshot in drive(world) for ego in snapshot.egos}
     assert len(egos) >= 2
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [('vClass="tram">', "is of class tram; an ego has to drive on a road"), (TAXI, "is a taxi")],
+)
+def test_a_vehicle_that_no_controller_can_drive_to_its_destination_is_refused(
+    open_world: OpenWorld, kind: str, words: str
+) -> None:
+    vehicle = '<vehicle id="v" type="other" depart="0"><route edges="am mj"/></vehicle>'
+    demand = f'<vType id="other" {kind}</vType>{vehicle}'
+    with pytest.raises(InputError, match=f'vehicle "v" {words}'):
+        drive(open_world(demand, Egos(vehicles=("v",)), duration_s=5.0))
 
 
 def test_an_ego_that_finds_no_place_is_told(open_world: OpenWorld) -> None:
