@@ -143,7 +143,10 @@ class LastCheck:
         tried = np.array((MILD, *URGENT))
         slower = braked(perception, tried, times)
         touches = _touches(_clearances(perception, people, cars, path, slower), slower, margin)
-        if not (touches[0] or starts or _touches_until(SOON, times, clearance, motion, margin)):
+        # The plan does not brake for people beside the body, so braking for them is not left to it.
+        alone = np.append(_beside(perception)[near], np.zeros(clearance.shape[2] - len(near), dtype=np.bool_))
+        latest = np.where(alone, SOON + speed / MILD, SOON)
+        if not (touches[0] or starts or _touches_before(latest, times, clearance, motion, margin)):
             return plan
         limit = perception.ego.drive.max_deceleration
         if starts or not touches.all():
@@ -298,12 +301,18 @@ def _touches(clearance: FloatArray, motion: Motion, margin: FloatArray) -> NDArr
     return np.asarray((near & (motion.speed > STANDING)).any(axis=0))
 
 
-def _touches_until(
-    time: float, times: FloatArray, clearance: FloatArray, motion: Motion, margin: FloatArray
+def _touches_before(
+    latest: FloatArray, times: FloatArray, clearance: FloatArray, motion: Motion, margin: FloatArray
 ) -> bool:
-    """Return whether a motion with one variant touches somebody before a time [s]."""
-    early = times < time
-    return bool(_touches(clearance[early], Motion(*(each[early] for each in motion)), margin)[0])
+    """Return whether a motion with one variant touches somebody before a time for each, shape (n,) [s]."""
+    near = (clearance[:, 0] < margin) & (times[:, None] < latest)
+    return bool((near & (motion.speed > STANDING)).any())
+
+
+def _beside(perception: Perception) -> NDArray[np.bool_]:
+    """Return which pedestrians the front bumper has passed, shape (n,)."""
+    people = perception.pedestrians
+    return np.asarray(people.along + people.radius < perception.ego.body.front)
 
 
 def _least(clearance: FloatArray, motion: Motion) -> FloatArray:

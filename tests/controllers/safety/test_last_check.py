@@ -100,6 +100,15 @@ def test_a_slow_ego_does_not_wait_until_somebody_has_walked_up_to_it(gap: float,
     assert checked.command.acceleration.max() <= -3.0 if brakes else checked.command.acceleration.max() == 0.0
 
 
+@pytest.mark.parametrize(("along", "status"), [(BODY.front - 0.5, SHIELDED), (BODY.front + 0.5, "ok")])
+def test_braking_for_somebody_beside_the_body_is_not_left_to_the_plan(along: float, status: str) -> None:
+    """Mild braking would do for both, but only for those ahead of the bumper does the plan do it."""
+    towards_the_way = Walker(along, -(0.5 * BODY.width + 0.25 + 1.9), 1.3, 1.3)
+    checked = _checked(towards_the_way, speed=3.0)
+    assert checked.status == status
+    assert checked.command.acceleration.min() == (-3.0 if status == SHIELDED else 0.0)
+
+
 def test_somebody_who_may_not_enter_counts_where_they_are() -> None:
     steps_out = Walker(16.0, -2.4, 0.0, 1.2)
     assert _checked(steps_out).status == SHIELDED
