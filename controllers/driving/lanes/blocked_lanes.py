@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from controllers.arrays import BoolArray
 from controllers.driving.standing import StoodSince, standing
 from controllers.geometry.footprints import Footprints, footprints
 from controllers.interface import Lane, Perception
+
+CREEPING = 2.0
+"""Vehicles slower than this move up in a queue, or have just set off in it [m/s]."""
+OVERLAP = 1.0
+"""In a bend, the boxes of two vehicles in a queue may overlap by this [m]."""
 
 
 @dataclass(slots=True)
@@ -15,18 +23,21 @@ class BlockedLanes:
     """Watches standing vehicles; one per ego.
 
     A vehicle that has stood for ``patience`` with no crossing, signal, stop sign or duty to yield close ahead
-    of it is not waiting for anything. Its lane then appears to end ``distance`` before it, so that methods
-    that leave a lane before its end also go round a parked vehicle, or stop where they still can steer out.
-    A vehicle that stands across the lane, or faces the ego, may be waiting for the ego and does not count.
-    Nor does one in a junction whose traffic light is still ahead of the ego. The ego's lane does not appear
-    to end if the lanes beside it lead off the route before the ego could come back: they are no way past.
+    of it, nor in a queue behind one that waits there, is not waiting for anything. Its lane then appears to
+    end ``distance`` before it, so that methods that leave a lane before its end also go round a parked
+    vehicle, or stop where they still can steer out. A vehicle that stands across the lane, or faces the ego,
+    may be waiting for the ego and does not count. Nor does one in a junction whose traffic light is still
+    ahead of the ego. The ego's lane does not appear to end if the lanes beside it lead off the route before
+    the ego could come back: they are no way past.
 
     Parameters
     ----------
     patience
-        Time after which a standing vehicle counts as parked [s].
+        Time after which a vehicle that stands for no reason counts as parked [s].
     reason
         A crossing or stop line within this distance ahead of a vehicle explains why it stands [m].
+    queue
+        A vehicle that waits, within this distance ahead in the same lane, explains it too [m].
     distance
         Room to steer out behind the vehicle [m].
     past
@@ -35,6 +46,7 @@ class BlockedLanes:
 
     patience: float = 4.0
     reason: float = 40.0
+    queue: float = 10.0
     distance: float = 9.0
     past: float = 15.0
     _standing: StoodSince = field(default_factory=StoodSince)
@@ -48,14 +60,13 @@ class BlockedLanes:
         """Return the perception with blocked lanes shortened so that they end before the vehicle."""
         self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
-        names = {vehicles.names[i]: i for i in standing(vehicles).nonzero()[0].tolist()}
-        self._standing.look(names, time)
-        parked = [i for name, i in names.items() if self._standing.stood(name, time) >= self.patience]
-        if not parked:
-            return perception
         box = footprints(vehicles)
-        ahead = [i for i in parked if box.rear[i] > 0.0 and box.same_way[i]]
-        blocking = [i for i in ahead if not self._waits(perception, box.front[i])]
+        without_reason = standing(vehicles) & (box.rear > 0.0) & box.same_way
+        if without_reason.any():
+            without_reason &= ~self._waiting(perception, box)
+        names = {vehicles.names[i]: i for i in without_reason.nonzero()[0].tolist()}
+        self._standing.look(names, time)
+        blocking = [i for name, i in names.items() if self._standing.stood(name, time) >= self.patience]
         if not blocking:
             return perception
         known, here = perception.road.lanes, perception.road.reference
@@ -66,8 +77,21 @@ class BlockedLanes:
         self._blocked = frozenset(new.number for old, new in zip(known, lanes, strict=True) if new is not old)
         return replace(perception, road=replace(perception.road, lanes=lanes))
 
-    def _waits(self, perception: Perception, front: float) -> bool:
-        """Return whether something close ahead explains why a vehicle stands."""
+    def _waiting(self, perception: Perception, box: Footprints) -> BoolArray:
+        """Return which vehicles ahead wait for something, or in a queue behind others that do, shape (n,)."""
+        vehicles = perception.vehicles
+        slow = np.hypot(vehicles.along_speed, vehicles.across_speed) < CREEPING
+        ahead = (slow & box.same_way & (box.rear > 0.0)).nonzero()[0]
+        waits = np.zeros(len(vehicles), dtype=np.bool_)
+        for i in ahead[np.argsort(-box.front[ahead], kind="stable")]:  # from the head of a queue to its tail
+            gap = box.rear - box.front[i]
+            before = (gap > -OVERLAP) & (gap < self.queue)
+            before &= (box.right < box.left[i]) & (box.left > box.right[i])
+            waits[i] = self._has_reason(perception, box.front[i]) or bool((waits & before).any())
+        return waits
+
+    def _has_reason(self, perception: Perception, front: float) -> bool:
+        """Return whether something close ahead of a place on the road explains why a vehicle stands there."""
         road = perception.road
         reasons = [crossing.entry for crossing in road.crossings]
         reasons += [sign.stop_line for sign in road.stop_signs]
