@@ -26,8 +26,8 @@ PATIENCE, A_CYCLE = 4.0, 60.0
 """Time for which an ego that is kept from starting waits; and that for vehicles in a junction with traffic
 lights, because they may wait for the lights and not for the ego [s]."""
 LAST_RESORT, BEYOND = 20.0, 1.5
-"""After this waiting time, a way may end on a crossing, and lead this much farther beside the lane, where
-SUMO has no place for an ego [s, m]."""
+"""After it has been kept from starting for this long altogether, a way may end on a crossing, and lead this
+much farther beside the lane, where SUMO has no place for an ego [s, m]."""
 LET_GO = 1.0
 """The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
@@ -47,6 +47,8 @@ NEARER = 0.002
 """People and vehicles that are too near already may stay so, but come nearer by no more than this [m]."""
 SOUGHT_EVERY = 0.5
 """Least time between two searches for a way [s]."""
+BEGINNING = 1.0
+"""At the beginning of a way, up to this far, the ego is still in its lane, not back in it [m]."""
 AHEAD = 0.1
 """The wheels take the angle that the way demands this far ahead [m]."""
 IN_LANE, ALONG_LANE = 0.4, 0.15
@@ -66,6 +68,8 @@ class WayOut:
     """Time since when the ego has been kept from starting [s]."""
     _held_at: float = -np.inf
     """Last time when it was kept from starting [s]."""
+    _held_for: float = 0.0
+    """For how long it has been kept from starting since it was last under way [s]."""
     taken: bool = False
     """Whether the ego is on a way out."""
     _way: FloatArray | None = None
@@ -81,6 +85,7 @@ class WayOut:
     def reset(self) -> None:
         """Forget everything: the ego is under way."""
         self.held_since, self.taken, self._way, self._sought = None, False, None, -np.inf
+        self._held_for = 0.0
 
     def waited(self, time: float) -> float:
         """Return how long the ego has been kept from starting; 0 if it is not [s]."""
@@ -121,12 +126,15 @@ class WayOut:
         ego = perception.ego
         in_lane = abs(ego.across) < IN_LANE and abs(ego.heading_error) < ALONG_LANE
         self._driven += ego.speed * (ego.time - self._last)
-        self._last = ego.time
         if somebody_near:
             self._held_at = ego.time
+            self._held_for += min(ego.time - self._last, LET_GO)
         elif ego.time - self._held_at > LET_GO:
             self.held_since = None
-        if not held and (in_lane or not self.taken):
+        self._last = ego.time
+        # While somebody still keeps the ego from starting, its plan only seems free: it would creep up to them.
+        begins = self.held_since is not None and self._driven < BEGINNING
+        if not held and not (self.taken and (begins or not in_lane)):
             self.taken, self._way = False, None
             return None
         if self.held_since is None:
@@ -171,7 +179,7 @@ class WayOut:
         elif time - self._sought >= SOUGHT_EVERY - 1e-9:
             self._driven, self._sought = 0.0, time
             far = _obstacles(people, wide, vehicles)
-            waited_long = self.waited(time) > LAST_RESORT
+            waited_long = self._held_for > LAST_RESORT
             last_resort = [(near, BEYOND)] if waited_long else []
             over = not waited_long and _before_a_crossing(perception)
             shortest = free_way.REACH if over else free_way.SHORTEST
