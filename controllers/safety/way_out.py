@@ -132,7 +132,7 @@ class WayOut:
         elif ego.time - self._held_at > LET_GO:
             self.held_since = None
         self._last = ego.time
-        # While somebody still keeps the ego from starting, its plan only seems free: it would creep up to them.
+        # While somebody still keeps the ego from starting, a plan that seems free only creeps up to them.
         begins = self.held_since is not None and self._driven < BEGINNING
         if not held and not (self.taken and (begins or not in_lane)):
             self.taken, self._way = False, None

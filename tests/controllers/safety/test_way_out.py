@@ -21,6 +21,7 @@ from controllers.safety.way_out import (
     INCHING,
     LAST_RESORT,
     LEAST_TO_VEHICLES,
+    LET_GO,
     PATIENCE,
     SPEED,
     TO_VEHICLES,
@@ -233,6 +234,31 @@ def test_who_was_held_once_and_then_let_go_waits_anew() -> None:
     assert set(statuses[1:100]) == {"ok"}
     assert set(statuses[100 : 100 + int(10 * PATIENCE)]) == {SHIELDED}
     assert statuses[-1] == WAY_OUT
+
+
+def test_the_last_resort_counts_all_the_time_held_since_the_ego_was_under_way() -> None:
+    """People who cross ahead of it in between only make it wait for them, and then it is held again."""
+    check, statuses = LastCheck(), []
+    for tick in range(int(10 * LAST_RESORT) + 40):
+        places = [(BODY.front + 4.0, -4.0)] if 100 <= tick < 120 else ROW
+        seen = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), [Walker(*one) for one in places])
+        held = len(places) > 1
+        statuses.append(check.checked(seen, keeps(2.0), np.zeros(len(places), bool), None, held).status)
+    assert set(statuses[100:120]) == {"ok"}
+    assert WAY_OUT not in statuses[: int(10 * LAST_RESORT) + 15]
+    assert statuses[-1] == WAY_OUT
+
+
+def test_a_way_is_not_given_up_at_its_beginning_because_the_plan_seems_free_for_a_moment() -> None:
+    """Such a plan only creeps up to who keeps the ego from starting; if it stays free, it is followed."""
+    check, statuses = LastCheck(), []
+    for tick in range(int(10 * PATIENCE) + 30):
+        plan = keeps(2.0 if tick < 10 * PATIENCE + 10 else 0.0)
+        seen = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), [AT_THE_CORNER])
+        statuses.append(check.checked(seen, plan, np.zeros(1, bool)).status)
+    free = int(10 * PATIENCE) + 10
+    assert set(statuses[free - 1 : free + int(10 * LET_GO) - 1]) == {WAY_OUT}
+    assert statuses[-1] == "ok"
 
 
 def test_who_waits_for_a_light_or_a_leader_takes_none() -> None:
