@@ -20,6 +20,8 @@ PATIENCE, LONG_PATIENCE = 5.0, 15.0
 ahead of it explains why it stands, the second if something does, as that may wait for the ego itself [s]."""
 ROOM = 5.0
 """Vehicles, people and stop lines within this distance ahead may be why a vehicle stands [m]."""
+OVERLAP = 0.5
+"""Those vehicles and people may also be this far behind its front [m]."""
 ASIDE = 1.0
 """People up to this far beside the way of the vehicle may be why it stands [m]."""
 IN_THE_LANE = 0.8
@@ -62,8 +64,6 @@ def _explained(perception: Perception, box: Footprints, i: int) -> bool:
     lines = [signal.stop_line for signal in road.signals] + [sign.stop_line for sign in road.stop_signs]
     if any(-1.0 < line - front < ROOM for line in lines):
         return True
-    before = (box.rear > front - 0.5) & (box.rear < front + ROOM)
-    in_its_way = (box.right < box.left[i]) & (box.left > box.right[i])
-    near = (people.along > front - 0.5) & (people.along < front + ROOM)
+    near = (people.along > front - OVERLAP) & (people.along < front + ROOM)
     beside = (people.across < box.left[i] + ASIDE) & (people.across > box.right[i] - ASIDE)
-    return bool((before & in_its_way).any() or (near & beside).any())
+    return bool(box.close_ahead_of(i, ROOM, OVERLAP).any() or (near & beside).any())

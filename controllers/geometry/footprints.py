@@ -27,6 +27,20 @@ class Footprints(NamedTuple):
     same_way: NDArray[np.bool_]
     oncoming: NDArray[np.bool_]
 
+    def close_ahead_of(self, i: int, within: float, overlap: float) -> NDArray[np.bool_]:
+        """Return which vehicles are in the way of the ``i``-th, close ahead of it, shape (n,).
+
+        Parameters
+        ----------
+        i
+            Row of the vehicle.
+        within, overlap
+            How far their rear ends may be ahead of its front, and behind it [m].
+        """
+        front = self.front[i]
+        close = (self.rear > front - overlap) & (self.rear < front + within)
+        return np.asarray(close & (self.right < self.left[i]) & (self.left > self.right[i]))
+
 
 @remembered
 def footprints(vehicles: Vehicles) -> Footprints:

@@ -144,8 +144,8 @@ class LastCheck:
         slower = braked(perception, tried, times)
         touches = _touches(_clearances(perception, people, cars, path, slower), slower, margin)
         # The plan does not brake for people beside the body, so braking for them is not left to it.
-        alone = np.append(_beside(perception)[near], np.zeros(clearance.shape[2] - len(near), dtype=np.bool_))
-        latest = np.where(alone, SOON + speed / MILD, SOON)
+        latest = np.full(len(margin), SOON)
+        latest[: len(near)][_beside(perception)[near]] += speed / MILD
         if not (touches[0] or starts or _touches_before(latest, times, clearance, motion, margin)):
             return plan
         limit = perception.ego.drive.max_deceleration
@@ -305,12 +305,12 @@ def _touches_before(
     latest: FloatArray, times: FloatArray, clearance: FloatArray, motion: Motion, margin: FloatArray
 ) -> bool:
     """Return whether a motion with one variant touches somebody before a time for each, shape (n,) [s]."""
-    near = (clearance[:, 0] < margin) & (times[:, None] < latest)
-    return bool((near & (motion.speed > STANDING)).any())
+    early = np.where((times[:, None] < latest)[:, None], clearance, np.inf)
+    return bool(_touches(early, motion, margin)[0])
 
 
 def _beside(perception: Perception) -> NDArray[np.bool_]:
-    """Return which pedestrians the front bumper has passed, shape (n,)."""
+    """Return which pedestrians the front bumper has passed: the plan leaves them out, shape (n,)."""
     people = perception.pedestrians
     return np.asarray(people.along + people.radius < perception.ego.body.front)
 

@@ -154,7 +154,7 @@ class EgoSources:
                 kind = sumo.vehicle.getVehicleClass(name)
                 if kind in ROADLESS_CLASSES:
                     raise InputError(f'vehicle "{name}" is of class {kind}; an ego has to drive on a road')
-                if is_taxi(sumo, name):
+                if _is_taxi(sumo, name):
                     raise InputError(
                         f'vehicle "{name}" is a taxi, whose way SUMO decides anew for each passenger; '
                         "expected a vehicle that drives to its own destination"
@@ -200,10 +200,10 @@ def is_private_car(sumo: Any, name: str) -> bool:
     vehicle = sumo.vehicle
     if vehicle.getVehicleClass(name) != PASSENGER or vehicle.getPersonNumber(name) > 0:
         return False
-    return not is_taxi(sumo, name)
+    return not _is_taxi(sumo, name)
 
 
-def is_taxi(sumo: Any, name: str) -> bool:
+def _is_taxi(sumo: Any, name: str) -> bool:
     """Return whether SUMO sends a vehicle to passengers who call it."""
     return bool(sumo.vehicle.getParameter(name, "has.taxi.device") == "true")
 

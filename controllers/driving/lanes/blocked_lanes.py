@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from controllers.arrays import BoolArray
+from controllers.arrays import BoolArray, FloatArray
 from controllers.driving.standing import StoodSince, standing
 from controllers.geometry.footprints import Footprints, footprints
-from controllers.interface import Lane, Perception
+from controllers.interface import Lane, Perception, RoadAhead
 
 CREEPING = 2.0
 """Vehicles slower than this move up in a queue, or have just set off in it [m/s]."""
@@ -61,9 +61,10 @@ class BlockedLanes:
         self._blocked = frozenset()
         vehicles, time = perception.vehicles, perception.ego.time
         box = footprints(vehicles)
-        without_reason = standing(vehicles) & (box.rear > 0.0) & box.same_way
+        ahead = box.same_way & (box.rear > 0.0)
+        without_reason = ahead & standing(vehicles)
         if without_reason.any():
-            without_reason &= ~self._waiting(perception, box)
+            without_reason &= ~self._waiting(perception, box, ahead)
         names = {vehicles.names[i]: i for i in without_reason.nonzero()[0].tolist()}
         self._standing.look(names, time)
         blocking = [i for name, i in names.items() if self._standing.stood(name, time) >= self.patience]
@@ -77,27 +78,25 @@ class BlockedLanes:
         self._blocked = frozenset(new.number for old, new in zip(known, lanes, strict=True) if new is not old)
         return replace(perception, road=replace(perception.road, lanes=lanes))
 
-    def _waiting(self, perception: Perception, box: Footprints) -> BoolArray:
+    def _waiting(self, perception: Perception, box: Footprints, ahead: BoolArray) -> BoolArray:
         """Return which vehicles ahead wait for something, or in a queue behind others that do, shape (n,)."""
         vehicles = perception.vehicles
-        slow = np.hypot(vehicles.along_speed, vehicles.across_speed) < CREEPING
-        ahead = (slow & box.same_way & (box.rear > 0.0)).nonzero()[0]
-        waits = np.zeros(len(vehicles), dtype=np.bool_)
-        for i in ahead[np.argsort(-box.front[ahead], kind="stable")]:  # from the head of a queue to its tail
-            gap = box.rear - box.front[i]
-            before = (gap > -OVERLAP) & (gap < self.queue)
-            before &= (box.right < box.left[i]) & (box.left > box.right[i])
-            waits[i] = self._has_reason(perception, box.front[i]) or bool((waits & before).any())
+        slow = ahead & (np.hypot(vehicles.along_speed, vehicles.across_speed) < CREEPING)
+        waits = slow & self._have_reason(perception.road, box.front)
+        others = (slow & ~waits).nonzero()[0]
+        for i in others[np.argsort(-box.front[others], kind="stable")].tolist():  # from the head of a queue
+            waits[i] = (waits & box.close_ahead_of(i, self.queue, OVERLAP)).any()
         return waits
 
-    def _has_reason(self, perception: Perception, front: float) -> bool:
-        """Return whether something close ahead of a place on the road explains why a vehicle stands there."""
-        road = perception.road
-        reasons = [crossing.entry for crossing in road.crossings]
-        reasons += [sign.stop_line for sign in road.stop_signs]
-        reasons += [foe.stop_line for foe in road.foes]
-        lights = any(abs(signal.stop_line - front) < self.reason for signal in road.signals)
-        return lights or any(-3.0 < place - front < self.reason for place in reasons)
+    def _have_reason(self, road: RoadAhead, front: FloatArray) -> BoolArray:
+        """Return where something close ahead on the road explains why a vehicle stands, shape (n,)."""
+        places = [crossing.entry for crossing in road.crossings]
+        places += [sign.stop_line for sign in road.stop_signs]
+        places += [foe.stop_line for foe in road.foes]
+        lights = np.array([signal.stop_line for signal in road.signals]) - front[:, None]
+        gap = np.array(places) - front[:, None]
+        near = (np.abs(lights) < self.reason).any(axis=1) | ((gap > -3.0) & (gap < self.reason)).any(axis=1)
+        return np.asarray(near)
 
     def _shortened(self, lane: Lane, box: Footprints, blocking: list[int], beside: Sequence[float]) -> Lane:
         """Return a lane that ends before the first of some vehicles in it, if there is any.
