@@ -27,10 +27,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
 PIP := $(BIN)/python -m pip --disable-pip-version-check
+# Tools are compiled when they are first used: most of their modules never are.
+TOOLS := $(PIP) install --quiet --no-compile -c constraints.txt -e
 
 # One BLAS thread: two simulations side by side are otherwise slower than one.
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
+# Bytecode is kept even where the environment says otherwise: each process would compile what it loads again.
+export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .PHONY: help install demo test test-slow check format wheel bench study-crossings papers study-papers study-roadside study-falsify study-planted study-penetration study-town study-solvers study-validation protocols zoo fuzz chaos golden screenshots pictures docs clean
@@ -47,15 +51,15 @@ $(VENV)/installed: pyproject.toml constraints.txt
 	@touch $@
 
 $(VENV)/installed-dev: $(VENV)/installed
-	$(PIP) install --quiet -c constraints.txt -e '.[dev]'
+	$(TOOLS) '.[dev]'
 	@touch $@
 
 $(VENV)/installed-papers: $(VENV)/installed
-	$(PIP) install --quiet -c constraints.txt -e '.[papers]'
+	$(TOOLS) '.[papers]'
 	@touch $@
 
 $(VENV)/installed-search: $(VENV)/installed
-	$(PIP) install --quiet -c constraints.txt -e '.[search]'
+	$(TOOLS) '.[search]'
 	@touch $@
 
 $(VENV)/installed-report: $(VENV)/installed
@@ -63,15 +67,15 @@ $(VENV)/installed-report: $(VENV)/installed
 	@touch $@
 
 $(VENV)/installed-docs: $(VENV)/installed
-	$(PIP) install --quiet -c constraints.txt -e '.[docs]'
+	$(TOOLS) '.[docs]'
 	@touch $@
 
 $(VENV)/installed-bench: $(VENV)/installed
-	$(PIP) install --quiet -c constraints.txt -e '.[bench]'
+	$(TOOLS) '.[bench]'
 	@touch $@
 
 $(VENV)/installed-zoo: $(VENV)/installed
-	$(PIP) install --quiet -c constraints.txt -e '.[zoo]'
+	$(TOOLS) '.[zoo]'
 	@touch $@
 
 install: $(VENV)/installed
@@ -79,14 +83,13 @@ install: $(VENV)/installed
 demo: $(VENV)/installed-report
 	$(BIN)/python -m cosim.cli.demo
 
-# Bytecode is kept even where the environment says otherwise: each process would compile what it loads again.
 # A file stays in one process, so that what its tests share is made once; the files at the end are short.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder
 
 test-slow: $(VENV)/installed-dev
-	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow
 
 check: $(VENV)/installed-dev
 	$(BIN)/ruff check .
