@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
-from controllers.interface import Crossing, CrossingKind, Perception, RoadAhead
+from controllers.driving.standing import STANDING as EGO_STANDING
+from controllers.interface import Crossing, CrossingKind, EgoState, Perception, RoadAhead
 from controllers.prediction.forecast import Forecast
 
 THERE = 0.3
@@ -46,6 +47,9 @@ class PedestrianAssumptions:
     """The ego counts as waiting for people up to this far ahead of its rear axle [m]."""
     waiting_ahead: float = 11.0
     """An ego longer than a car waits for people up to this far ahead of its front bumper [m]."""
+    courtesy: float = 0.0
+    """Before a crossing without priority, an ego that has come to rest lets people who stand at its end go
+    first, until they have not stepped onto it for this long [s]."""
 
 
 @dataclass(slots=True)
@@ -58,6 +62,8 @@ class Watch:
     """Last speed across the road of pedestrians who were seen walking on it [m/s]."""
     waited: dict[str, float] = field(default_factory=dict)
     """How long the pedestrian has stood while the ego waited for them [s]."""
+    declined: dict[str, float] = field(default_factory=dict)
+    """How long the pedestrian has stood while the ego was at rest [s]."""
     seen: float = -np.inf
     """Time of the last look [s]."""
     longest_wait: float = 0.0
@@ -69,6 +75,8 @@ class Watch:
         passed = 0.0 if self.seen == -np.inf else min(ego.time - self.seen, 1.0)
         self.seen = ego.time
         waited: dict[str, float] = {}
+        declined: dict[str, float] = {}
+        at_rest = passed if ego.speed < EGO_STANDING else 0.0
         road, within = perception.road, max(assume.waiting_within, ego.body.front + assume.waiting_ahead)
         movements = zip(
             people.names,
@@ -87,7 +95,8 @@ class Watch:
                 before = ego.speed < assume.waiting_below and at < within
                 waits = passed if before else 0.0
                 waited[name] = self.waited.get(name, 0.0) + waits
-        self.waited = waited
+                declined[name] = self.declined.get(name, 0.0) + at_rest
+        self.waited, self.declined = waited, declined
         self.longest_wait = max(waited.values(), default=0.0)
 
     def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
@@ -105,6 +114,18 @@ class Watch:
     def lets_go_first(self, name: str, assume: PedestrianAssumptions) -> bool:
         """Return whether a pedestrian has stood so long before a waiting ego that it may go first."""
         return self.waited.get(name, 0.0) >= assume.patience
+
+    def may_go_first(
+        self, name: str, crossing: Crossing, ego: EgoState, assume: PedestrianAssumptions
+    ) -> bool:
+        """Return whether the ego, at rest or about to be, lets someone at the end of a crossing go first.
+
+        People whose crossing has no priority wait for a vehicle that rolls towards it. They step out as soon
+        as it has stopped, or has passed its line.
+        """
+        before = ego.speed < assume.waiting_below and ego.body.front < crossing.entry
+        unmarked = crossing.kind is CrossingKind.UNMARKED
+        return before and unmarked and self.declined.get(name, 0.0) < assume.courtesy
 
 
 class Expectation(NamedTuple):
@@ -150,7 +171,7 @@ def expected(
         )
     )
     movements = [
-        _movement(person, road, go, watch, assume) for person, go in zip(persons, lets_go, strict=True)
+        _movement(person, perception, go, watch, assume) for person, go in zip(persons, lets_go, strict=True)
     ]
     speeds = [speed for speed, _ in movements]
     enters = np.array([why is not _Why.STAYS for _, why in movements], dtype=np.bool_)
@@ -210,10 +231,10 @@ class _Person(NamedTuple):
 
 
 def _movement(
-    person: _Person, road: RoadAhead, lets_go: bool, watch: Watch, assume: PedestrianAssumptions
+    person: _Person, perception: Perception, lets_go: bool, watch: Watch, assume: PedestrianAssumptions
 ) -> tuple[float, _Why]:
     """Return the speed across the road that is expected of a pedestrian [m/s], and why."""
-    speed = person.across_speed
+    speed, road = person.across_speed, perception.road
     if person.on_crossing:
         # On the crossing itself, even those who let the ego go first may go on: the whole margin is kept.
         if abs(speed) < assume.standing_below and person.name in watch.heading and not lets_go:
@@ -222,7 +243,8 @@ def _movement(
     if lets_go:
         return speed, _Why.STAYS
     if person.waiting and person.crossing is not None:
-        return _to_the_crossing(person, person.crossing, assume)
+        may_go = watch.may_go_first(person.name, person.crossing, perception.ego, assume)
+        return _to_the_crossing(person, person.crossing, may_go, assume)
     on_the_road = road.right_edge < person.across < road.left_edge
     outside = not road.right_edge - KERB <= person.across <= road.left_edge + KERB
     if abs(speed) >= (AT_THE_ROADSIDE if outside else assume.standing_below):
@@ -237,7 +259,7 @@ def _movement(
 
 
 def _to_the_crossing(
-    person: _Person, crossing: Crossing, assume: PedestrianAssumptions
+    person: _Person, crossing: Crossing, may_go: bool, assume: PedestrianAssumptions
 ) -> tuple[float, _Why]:
     """Return the same as ``_movement`` for a pedestrian who is about to enter a crossing."""
     pace = math.hypot(person.along_speed, person.across_speed)
@@ -251,6 +273,8 @@ def _to_the_crossing(
     if (person.across - begins) * inwards > 0.0 and person.across_speed * inwards >= AT_THE_ROADSIDE:
         # They have walked past the waiting place without stopping: they cross, no matter who has priority.
         return person.across_speed, _Why.GOES_ON
+    if stands and may_go:
+        return inwards * assume.resume_speed, _Why.COMES
     first, last = sorted((person.across, begins))
     if stands or first > person.reach or last < -person.reach:
         return person.across_speed, _Why.STAYS

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 import numpy as np
 
@@ -13,10 +13,16 @@ STANDS_FOR = 1.0
 """An ego that would stand on a crossing for longer than this stops before it [s]."""
 KEEP_CLEAR_BRAKING = 2.5
 """The ego keeps a crossing clear if braking no harder than this is enough [m/s^2]."""
+BEGUN = 4.0
+"""Once it brakes for that, it goes on if this is enough: a smooth plan brakes less at first [m/s^2]."""
 
 
 def keep_clear_line(
-    perception: Perception, times: FloatArray, leader_rest: FloatArray, gap: float
+    perception: Perception,
+    times: FloatArray,
+    leader_rest: FloatArray,
+    gap: float,
+    begun: Container[str] = (),
 ) -> tuple[float, str]:
     """Return the stop line and name of a crossing that has no room for the ego beyond it; inf for none.
 
@@ -29,9 +35,11 @@ def keep_clear_line(
         on; inf for no vehicle [s, m].
     gap
         Gap kept to that vehicle at a standstill [m].
+    begun
+        Names of the crossings that the ego brakes for already.
     """
     speed = max(perception.ego.speed, 3.0)
-    for crossing, room, beyond in _avoidable(perception):
+    for crossing, room, beyond in _avoidable(perception, begun):
         if np.interp(max(room, 0.0) / speed, times, leader_rest) - gap < beyond:
             return crossing.stop_line, crossing.name
     return float("inf"), ""
@@ -51,14 +59,14 @@ def keep_clear_of_people(
         until which it has to, shape (n,) [m, m, s].
     """
     body, speed = perception.ego.body, max(perception.ego.speed, 3.0)
-    for crossing, _, beyond in _avoidable(perception):
+    for crossing, _, beyond in _avoidable(perception, ()):
         there = (beyond - body.front) / speed
         if ((along > crossing.exit) & (places < beyond) & (until > there + STANDS_FOR)).any():
             return crossing.stop_line
     return float("inf")
 
 
-def _avoidable(perception: Perception) -> Iterator[tuple[Crossing, float, float]]:
+def _avoidable(perception: Perception, begun: Container[str]) -> Iterator[tuple[Crossing, float, float]]:
     """Yield the crossings that the ego can stop before, with two lengths [m].
 
     These are the distance to the stop line, and the place from which on the front bumper leaves room for the
@@ -70,5 +78,6 @@ def _avoidable(perception: Perception) -> Iterator[tuple[Crossing, float, float]
         if on_it or crossing.stop_line < body.front - 0.5:
             continue
         room = crossing.stop_line - body.front
-        if ego.speed**2 / (2.0 * KEEP_CLEAR_BRAKING) + 0.3 * ego.speed <= max(room, 0.0) + 0.5:
+        braking = BEGUN if crossing.name in begun else KEEP_CLEAR_BRAKING
+        if ego.speed**2 / (2.0 * braking) + 0.3 * ego.speed <= max(room, 0.0) + 0.5:
             yield crossing, room, crossing.exit + body.length + 0.5

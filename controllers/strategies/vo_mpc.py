@@ -98,6 +98,9 @@ class Settings(ControllerSettings):
     """Deceleration with which the ego must still be able to stop if a pedestrian stops in its path."""
     yield_to_standing: bool = True
     """Whether to expect that people who stand at the kerb of a zebra step out."""
+    courtesy_s: NotNegative = 1.0
+    """At rest before a crossing without priority, the ego lets people who stand at its end go first, until
+    they have not stepped onto it for this long."""
     cone: Cone = Cone.STEP
     """step keeps positions apart and steers only to keep the lane; the others keep relative velocities out of
     collision cones, by speed and steering combined."""
@@ -182,7 +185,9 @@ def _passing(settings: Settings) -> PassingSettings:
         reconsider=settings.reconsider_s,
         standstill_gap=settings.standstill_gap_m,
         bend_acceleration=settings.bend_acceleration_mps2,
-        assume=PedestrianAssumptions(yield_to_standing=settings.yield_to_standing),
+        assume=PedestrianAssumptions(
+            yield_to_standing=settings.yield_to_standing, courtesy=settings.courtesy_s
+        ),
         hidden=HiddenPedestrian(
             settings.hidden_speed_mps,
             settings.hidden_reaction_s,

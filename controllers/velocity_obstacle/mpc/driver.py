@@ -67,6 +67,9 @@ SLACK, SLACK_FROM = "slack", 0.05
 """Status of a plan that goes farther than pedestrians allow, and the excess from which it is given [m]."""
 NOWHERE = 0.3
 """A standing ego stays where it is if its plan leads less far than this [m]."""
+NOT_YET, SOON = 0.05, 1.2
+"""It also does so while it lets people pass, if its plan leads less far than the first within the second; a
+plan that starts with the brake on leads four times as far [m, s]."""
 BODY_OUT_OF_LANE = 0.75
 """Share of a lane's width after which the front is clear of vehicles in the middle of the old lane."""
 
@@ -192,7 +195,7 @@ class VelocityObstacleMpc:
             answer = fallback(self._memory, perception.ego, chosen.conflicts, limits)
             return replace(answer, solves=self._solves()), chosen
         planner.commit(perception, chosen)
-        command = self._command(perception, chosen.plan, steering)
+        command = self._command(perception, chosen, steering)
         ego, plan = perception.ego, chosen.plan
         self._memory.keep(ego.time, command, plan.position, plan.speed, steering.across - ego.across)
         answer = Plan(
@@ -277,8 +280,8 @@ class VelocityObstacleMpc:
             return task
         return task._replace(across=lane.offset, heading_error=0.0, target=np.full(n, lane.offset))
 
-    def _command(self, perception: Perception, speed: SpeedPlan, steering: SteeringPlan) -> Command:
-        ego = perception.ego
+    def _command(self, perception: Perception, chosen: Chosen, steering: SteeringPlan) -> Command:
+        ego, speed = perception.ego, chosen.plan
         command = sampled_command(
             self._times,
             self._memory.commanded(ego),
@@ -286,8 +289,8 @@ class VelocityObstacleMpc:
             steering.command,
             ego.plan_interval + FRESH,
         )
-        if ego.speed < STANDING and float(speed.position.max()) < NOWHERE:
-            # The ego stands and has nowhere to go: hold the brake instead of creeping because of rounding.
+        if ego.speed < STANDING and self._stays(chosen):
+            # Rounding would let it creep, and pedestrians wait for a vehicle that moves at all.
             return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
         slower = wheels.held_back(ego, self._times, steering.command, command.acceleration)
         command = replace(command, acceleration=slower)
@@ -300,6 +303,12 @@ class VelocityObstacleMpc:
             hardest = -planner.program.limits.emergency_braking
             return replace(command, acceleration=np.full(len(command.times), hardest))
         return command
+
+    def _stays(self, chosen: Chosen) -> bool:
+        """Return whether a standing ego is to hold its brake for now."""
+        position = chosen.plan.position
+        waits = chosen.behind > 0 and float(np.interp(SOON, self._times, position)) < NOT_YET
+        return waits or float(position.max()) < NOWHERE
 
     def _planner(self, perception: Perception) -> SpeedPlanner:
         """Return the speed planner, built once the vehicle is known."""

@@ -62,6 +62,9 @@ class SpeedTasks:
     stops: list[StopPlace] = field(default_factory=list)
     waiting_place: float = np.inf
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
+    _kept_clear: set[str] = field(default_factory=set)
+    _keeps_clear: set[str] = field(default_factory=set)
+    # Crossings that the last plan kept clear, and those that this one does.
     _watched: WaitingForTheEgo = field(default_factory=WaitingForTheEgo)
     _wait_for_the_ego: BoolArray = field(init=False)
     _centres: dict[int, float] = field(default_factory=dict)
@@ -84,6 +87,7 @@ class SpeedTasks:
         else:
             self._watched = WaitingForTheEgo()  # waiting counts from the ego's present stop
         self.waiting_place = waiting_place
+        self._kept_clear, self._keeps_clear = self._keeps_clear, set()
         self._centres = {lane.number: lane.offset for lane in perception.road.lanes}
 
     def task(
@@ -198,7 +202,9 @@ class SpeedTasks:
         """Return the place that the front bumper must not pass now, and why; inf for none [m]."""
         places = [(stop.along, stop.name) for stop in stops]
         gap = self.settings.standstill_gap
-        places.append(keep_clear_line(perception, self.memory.times, rest, gap))
+        clear = keep_clear_line(perception, self.memory.times, rest, gap, self._kept_clear)
+        self._keeps_clear.add(clear[1])
+        places.append(clear)
         if lane is not None:
             here = lane.number == perception.road.reference
             end = min(lane.follows_route_for, self.waiting_place) if here else lane.follows_route_for

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -164,6 +165,52 @@ def test_whoever_stands_before_a_waiting_bus_lets_it_go_first_as_they_let_a_car(
         seen = perception(state, straight_road(), [stands], crossings=[zebra(body.front + 5.0)])
         known = expected(seen, watch, PedestrianAssumptions(), None)
         assert known.lets_go.all() == (time >= 3)
+
+
+COURTEOUS = PedestrianAssumptions(courtesy=1.0)
+
+
+@pytest.mark.parametrize("across", [-4.0, 4.0])
+def test_an_ego_at_rest_lets_those_who_stand_at_an_unmarked_crossing_go_first(across: float) -> None:
+    """Until they have not stepped onto it for so long; and it forgets that when they walk."""
+    watch = Watch()
+    expected_speeds = [_standing_at_a_crossing(watch, 0.0, time / 4.0, across) for time in range(7)]
+    towards = math.copysign(1.2, -across)
+    assert expected_speeds == [towards] * 4 + [0.0] * 3
+    assert _standing_at_a_crossing(watch, 1.0, 2.0, across) == 0.0
+    assert _standing_at_a_crossing(watch, 0.0, 2.5, across) == 0.0
+    walks = Walker(FRONT + 3.0, across - towards, 0.0, towards, 0, waiting=True)
+    watch.look(perception(ego(0.0, time=2.75), walkers=[walks]), COURTEOUS)
+    assert _standing_at_a_crossing(watch, 0.0, 3.0, across) == towards
+
+
+def test_an_ego_that_rolls_to_its_line_stops_there_for_them_and_one_that_drives_does_not() -> None:
+    watch = Watch()
+    rolling = [_standing_at_a_crossing(watch, 0.3, time / 2.0) for time in range(5)]
+    assert rolling == [1.2] * 5
+    assert _standing_at_a_crossing(watch, 0.6, 2.5) == 0.0
+
+
+def test_only_before_a_crossing_without_priority_does_the_ego_let_them_go_first() -> None:
+    assert _standing_at_a_crossing(Watch(), 0.0, 0.0, kind=CrossingKind.SIGNAL) == 0.0
+    assert _standing_at_a_crossing(Watch(), 0.0, 0.0, entry=FRONT - 0.1) == 0.0
+    assert _standing_at_a_crossing(Watch(), 0.0, 0.0, assume=PedestrianAssumptions()) == 0.0
+
+
+def _standing_at_a_crossing(
+    watch: Watch,
+    speed: float,
+    time: float,
+    across: float = -4.0,
+    kind: CrossingKind = CrossingKind.UNMARKED,
+    entry: float = FRONT + 1.0,
+    assume: PedestrianAssumptions = COURTEOUS,
+) -> float:
+    """Return the speed across that is expected of somebody who stands at a crossing's end [m/s]."""
+    crossing = replace(zebra(entry, kind), pedestrians_have_green=False)
+    stands = Walker(entry + 2.0, across, crossing=0, waiting=True)
+    seen = perception(ego(speed, time=time), straight_road(), [stands], crossings=[crossing])
+    return float(expected(seen, watch, assume, None).across_speed[0])
 
 
 @pytest.mark.parametrize(("inwards", "expected"), [(1.3, 1), (-1.3, 0)])

@@ -63,6 +63,19 @@ def test_a_crossing_is_kept_clear_when_there_is_no_room_behind_it() -> None:
     assert _line(scene, 34.0 + 4.5 + 0.5 + 2.5 - 0.01) == (29.0, "zebra")
 
 
+@pytest.mark.parametrize(("speed", "kept"), [(11.0, True), (13.5, True), (15.5, False)])
+def test_a_stop_before_a_crossing_is_not_given_up_because_the_plan_braked_gently_at_first(
+    speed: float, kept: bool
+) -> None:
+    """From 11 m/s, 2.2 m/s^2 is enough to stop at the line; from 13.5 m/s, it takes 3.3 m/s^2."""
+    scene = perception(ego(speed=speed), crossings=[zebra(32.0)])
+    rest = np.full(len(TIMES), 38.0)
+    begun = keep_clear_line(scene, TIMES, rest, 2.5, {"zebra"})
+    assert begun == ((31.0, "zebra") if kept else (np.inf, ""))
+    fresh = keep_clear_line(scene, TIMES, rest, 2.5, {"another"})
+    assert fresh == ((31.0, "zebra") if speed == 11.0 else (np.inf, ""))
+
+
 def test_nobody_ahead_means_room() -> None:
     assert _line(perception(ego(speed=8.0), crossings=[zebra(30.0)]), np.inf) == (np.inf, "")
 
