@@ -13,7 +13,7 @@ from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 
 pytestmark = pytest.mark.sumo
-PERSON = '<person id="walker" depart="0" departPos="{from_m}"><walk edges="A1B1 B1C1"/></person>'
+PERSON = '<person id="walker" depart="0" departPos="82"><walk edges="A1B1 B1C1"/></person>'
 
 
 @pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
@@ -34,7 +34,7 @@ def test_who_waits_at_the_sign_crosses_before_the_ego_unless_it_has_no_courtesy(
     courtesy_s: float, person_first: bool, tmp_path: Path
 ) -> None:
     """The crossing has no priority: SUMO's pedestrians wait until the ego really stands, or has passed."""
-    egos, people = _driven(tmp_path, "vo_mpc", {"courtesy_s": str(courtesy_s)}, PERSON.format(from_m=82))
+    egos, people = _driven(tmp_path, "vo_mpc", {"courtesy_s": str(courtesy_s)}, PERSON)
     waits = people[people["phase"] == "waiting"]
     steps = people.loc[people["phase"] == "crossing", "time_s"].min()
     enters = egos.loc[egos["edge"] != "B0B1", "time_s"].min()
