@@ -21,7 +21,8 @@ def disc_clearances(
 ) -> FloatArray:
     """Return the distances between a rectangle and discs, shape (K, m, n) [m].
 
-    A disc's centre inside the rectangle counts as on its border, so the least value is −radius.
+    Inside the rectangle, the distance of a disc's centre from the nearest side counts as negative: whoever
+    leans on a car and comes farther under it comes nearer.
 
     Parameters
     ----------
@@ -39,9 +40,11 @@ def disc_clearances(
     cosine, sine = np.cos(heading)[:, :, None], np.sin(heading)[:, :, None]
     ahead, beside = cosine * x + sine * y, cosine * y - sine * x
     middle = body.front - 0.5 * body.length
-    beyond = np.maximum(np.abs(ahead - middle) - 0.5 * body.length, 0.0)
-    aside = np.maximum(np.abs(beside) - 0.5 * body.width, 0.0)
-    return np.asarray(np.hypot(beyond, aside) - radius.T[:, None, :])
+    beyond = np.abs(ahead - middle) - 0.5 * body.length
+    aside = np.abs(beside) - 0.5 * body.width
+    outside = np.hypot(np.maximum(beyond, 0.0), np.maximum(aside, 0.0))
+    inside = np.minimum(np.maximum(beyond, aside), 0.0)
+    return np.asarray(outside + inside - radius.T[:, None, :])
 
 
 def beyond_edges(

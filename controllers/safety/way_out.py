@@ -8,6 +8,7 @@ until it is back in its lane.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +61,17 @@ CHECKED, CHECKED_WALKERS = 8, 20
 those who walk [-]."""
 
 
+class _Try(NamedTuple):
+    """A search for a way; see :func:`controllers.safety.free_way.find`."""
+
+    near: Obstacles
+    shortest: float
+    beyond: float = 0.0
+    off: Obstacles | None = None
+    over: bool = False
+    """Whether people who have walked into the car are left out of ``near``."""
+
+
 @dataclass(slots=True)
 class WayOut:
     """The ways out of one ego."""
@@ -78,6 +90,8 @@ class WayOut:
     """Length of the way that has been driven [m]."""
     _beyond: float = 0.0
     """How much farther beside the lane the present way may lead [m]."""
+    _over: bool = False
+    """Whether the present way disregards people who have walked into the car."""
     _sought: float = -np.inf
     _last: float = 0.0
     # Times of the last search for a way and of the last call of ``command`` [s].
@@ -144,11 +158,13 @@ class WayOut:
         now = _distances(perception, people)
         wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
         leant_on = bool((now <= APART).any())
-        self._look(perception, people, wide, kept, farthest, leant_on)
+        under = now < -people.radius[:, 0]
+        self._look(perception, people, wide, kept, farthest, leant_on, under)
         self.taken = self._way is not None
         if self._way is None:
             return None
         speed = INCHING if leant_on else SPEED
+        kept = np.where(under & self._over, -np.inf, kept)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
@@ -160,36 +176,43 @@ class WayOut:
         kept: FloatArray,
         farthest: float,
         leant_on: bool,
+        under: NDArray[np.bool_],
     ) -> None:
         """Keep the way as long as it is free, else look for another, with the wider distances first.
 
         If somebody leans on the ego, a way that only leads away from them is enough. An ego that stands
         before a crossing first waits for a way that leads over it: on it, more people would wait for it.
+        SUMO's people walk into a standing car, and where they wait for it to leave, it cannot get away from
+        all of them. If there is no way otherwise, those under the body count no longer.
         """
         vehicles, time = _vehicles(perception), perception.ego.time
-        near = _obstacles(people, kept, vehicles)
+        without = np.where(under, -np.inf, kept)
         way, done, self._way = self._way, self._driven, None
-        under_way = way is not None and done < (len(way) - 1) * free_way.ARC
-        if (
-            way is not None
-            and under_way
-            and free_way.leads_on(perception, _drifted(people, kept, vehicles), way, done, self._beyond)
-        ):
-            self._way = way
-        elif time - self._sought >= SOUGHT_EVERY - 1e-9:
-            self._driven, self._sought = 0.0, time
-            far = _obstacles(people, wide, vehicles)
-            waited_long = self._held_for > LAST_RESORT
-            last_resort = [(near, BEYOND)] if waited_long else []
-            over = not waited_long and _before_a_crossing(perception)
-            shortest = free_way.REACH if over else free_way.SHORTEST
-            for obstacles, self._beyond in ((far, 0.0), (near, 0.0), *last_resort):
-                self._way = free_way.find(perception, obstacles, farthest, self._beyond, shortest=shortest)
-                if self._way is not None:
-                    return
-            if leant_on:
-                apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
-                self._way = free_way.find(perception, near, farthest, self._beyond, apart)
+        if way is not None and done < (len(way) - 1) * free_way.ARC:
+            drifted = _drifted(people, without if self._over else kept, vehicles)
+            if free_way.leads_on(perception, drifted, way, done, self._beyond):
+                self._way = way
+                return
+        if time - self._sought < SOUGHT_EVERY - 1e-9:
+            return
+        self._driven, self._sought = 0.0, time
+        waited_long = self._held_for > LAST_RESORT
+        over = not waited_long and _before_a_crossing(perception)
+        least, beside = free_way.REACH if over else free_way.SHORTEST, BEYOND if waited_long else 0.0
+        near = _obstacles(people, kept, vehicles)
+        tries = [_Try(_obstacles(people, wide, vehicles), least), _Try(near, least)]
+        if waited_long:
+            tries.append(_Try(near, least, beside))
+        if leant_on:
+            apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
+            tries.append(_Try(near, free_way.SHORTEST, beside, apart))
+        if under.any():
+            tries.append(_Try(_obstacles(people, without, vehicles), least, beside, over=True))
+        for one in tries:
+            self._beyond, self._over = one.beyond, one.over
+            self._way = free_way.find(perception, one.near, farthest, one.beyond, one.off, one.shortest)
+            if self._way is not None:
+                return
 
 
 def _before_a_crossing(perception: Perception) -> bool:

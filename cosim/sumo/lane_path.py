@@ -14,6 +14,7 @@ from analysis.polylines import arc_lengths
 from controllers.interface import CrossingKind
 from cosim.arrays import FloatArray
 from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
+from cosim.sumo.corners import rounded
 from cosim.sumo.lane_chain import Piece, without_jogs
 from cosim.sumo.network import Connection, NetCrossing
 from cosim.sumo.path import Path, crossing_point
@@ -133,7 +134,7 @@ class LanePath:
         step: int,
         turning: Turning = CAR,
     ) -> None:
-        self.curve, drawn_anew = widened(Path(*without_jogs(polyline, origin, pieces)), turning)
+        self.curve, drawn_anew = widened(Path(*rounded(*without_jogs(polyline, origin, pieces))), turning)
         knots = arc_lengths(polyline) + origin
 
         def along(station: float) -> float:

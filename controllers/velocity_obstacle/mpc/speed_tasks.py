@@ -128,13 +128,14 @@ class SpeedTasks:
             self._demands,
         )
         ceiling += CEILING_MARGIN
+        reference = _without_a_run_up(reference, times, limits.acceleration)
         for along in watch.carefully_past(perception, s.assume):
             beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
         for limit in (slowly, hidden_pedestrians.speed_limit(perception, swept(perception, lane), s.hidden)):
             if limit is not None:
                 slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_PEOPLE)
-                reference = np.minimum(reference, _without_a_run_up(slow, times))
+                reference = np.minimum(reference, _without_a_run_up(slow, times, SPEEDING_UP))
                 latest = hidden_pedestrians.reached(*limit, positions, LATEST_FOR_PEOPLE)
                 ceiling = np.minimum(ceiling, latest)
         comes_to = np.minimum(
@@ -231,17 +232,17 @@ def stopping_within(
     return np.asarray(np.sqrt(np.square(then) + 2.0 * braking * np.maximum(room, 0.0)))
 
 
-def _without_a_run_up(wanted: FloatArray, times: FloatArray) -> FloatArray:
+def _without_a_run_up(wanted: FloatArray, times: FloatArray, rate: float) -> FloatArray:
     """Return wanted speeds that rise gently over the horizon, shape (N,) [m/s].
 
     If the wanted speed jumps at the end of a slow stretch, it is cheaper to dawdle before the jump and to be
     accelerating already when it comes. As every step plans anew, the stretch still ends as far ahead, and the
     ego dawdles on until it stands.
 
-    >>> _without_a_run_up(np.array([9.0, 1.0, 1.0, 9.0]), np.array([1.0, 2.0, 3.0, 4.0])).tolist()
+    >>> _without_a_run_up(np.array([9.0, 1.0, 1.0, 9.0]), np.array([1.0, 2.0, 3.0, 4.0]), 1.0).tolist()
     [9.0, 1.0, 1.0, 2.0]
     """
-    rise = SPEEDING_UP * times
+    rise = rate * times
     return np.asarray(np.minimum.accumulate(wanted - rise) + rise)
 
 

@@ -32,7 +32,9 @@ def test_the_distance_to_a_disc_is_that_of_shapely(
     path = (np.full((1, 1), along), np.full((1, 1), across), np.full((1, 1), heading))
     disc = (np.full((1, 1), x), np.full((1, 1), y), np.full((1, 1), radius))
     found = disc_clearances(*path, BODY, *disc)
-    expected = _outline(along, across, heading).distance(Point(x, y)) - radius
+    outline, centre = _outline(along, across, heading), Point(x, y)
+    inside = outline.exterior.distance(centre) if outline.contains(centre) else 0.0
+    expected = outline.distance(centre) - inside - radius
     assert found[0, 0, 0] == pytest.approx(expected, abs=1e-9)
 
 

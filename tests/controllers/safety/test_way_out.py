@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,13 +41,15 @@ def _people(*places: tuple[float, float]) -> Obstacles:
     return Obstacles(x, y, np.full(len(x), KEPT), NONE, np.zeros(0))
 
 
-def _driven(way: FloatArray, across: float = 0.0) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _driven(
+    way: FloatArray, across: float = 0.0, heading: float = 0.0
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return x, y and heading of the rear axle after each arc, shape (k, 1) each."""
     turned = ARC * np.tan(way) / BODY.wheelbase
-    heading = np.cumsum(turned)
-    middle = heading - 0.5 * turned
+    headings = heading + np.cumsum(turned)
+    middle = headings - 0.5 * turned
     x, y = np.cumsum(ARC * np.cos(middle)), across + np.cumsum(ARC * np.sin(middle))
-    return x[:, None], y[:, None], heading[:, None]
+    return x[:, None], y[:, None], headings[:, None]
 
 
 def _nearest(way: FloatArray, people: Obstacles) -> float:
@@ -80,6 +83,22 @@ def test_it_goes_round_somebody_at_a_corner_and_comes_back(side: float) -> None:
     assert way[0] * side < 0.0
     assert _nearest(way, corner) >= 0.0
     assert abs(_driven(way)[1][-1, 0]) < 0.5
+
+
+def test_a_way_does_not_lead_over_somebody_whose_centre_is_under_the_side_already() -> None:
+    """The lane bends to the left, where they stand: turning with it at once would bring them farther in."""
+    seen = perception(ego(speed=0.0, heading_error=-0.15), bend(straight_road(), 0.0, 8.0, 30.0))
+    at, start = (1.74, 0.5 * BODY.width - 0.02), -0.15
+    east = math.cos(start) * at[0] - math.sin(start) * at[1]
+    north = math.sin(start) * at[0] + math.cos(start) * at[1]
+    leans, place = _people((east, north)), np.zeros((1, 1))
+    now = _nearest_of((place, place, place + start), leans)
+    way = free_way.find(seen, leans._replace(kept=leans.kept + now), np.inf)
+    assert way is not None
+    x, y, heading = (values[:, 0] for values in _driven(way, heading=start))
+    ahead = np.cos(heading) * (leans.x - x) + np.sin(heading) * (leans.y - y)
+    beside = np.cos(heading) * (leans.y - y) - np.sin(heading) * (leans.x - x)
+    assert beside[ahead > -BODY.rear_overhang].min() >= at[1]
 
 
 def test_it_goes_between_two_with_little_room_and_nowhere_without_any() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 import qpsolvers
 
 from controllers import catalog
-from controllers.interface import Manoeuvre, Plan, Solves
+from controllers.interface import EgoState, Manoeuvre, Perception, Plan, Solves
 from controllers.safety.last_check import WAY_OUT
 from controllers.velocity_obstacle.decision_rules import Rule
 from controllers.velocity_obstacle.mpc.driver import VelocityObstacleMpc
 from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
+from tests.controllers.drives import drive
 from tests.controllers.faulty_solvers import fails, installed
 from tests.controllers.scenes import FRONT, Car, Walker, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride
@@ -71,6 +73,22 @@ def test_it_stops_behind_a_standing_vehicle_and_stays() -> None:
     assert 1.0 < gap < 14.0
     assert record.track[2][-1] < 0.05
     assert record.track[3].min() > -3.5
+
+
+def test_it_does_not_dawdle_before_the_end_of_a_slow_stretch() -> None:
+    """To the program, being fast at once behind the stretch would be worth the time lost in it."""
+    limits = np.array([13.89, 2.5, 13.89])
+
+    def scene(state: EgoState, gone: float) -> Perception:
+        road = replace(straight_road(), limit_along=np.array([-100.0, 40.0, 55.0]) - gone, limit=limits)
+        return perception(state, road=road)
+
+    track = drive(catalog.build("vo_mpc"), scene, 10.0, 20.0)
+    _, travelled, _, speed, _ = track.T
+    in_it = speed[(travelled > 42.0) & (travelled < 55.0)]
+    assert in_it.min() > 0.85 * limits[1]
+    assert in_it.max() < limits[1] + 0.5
+    assert speed[-1] > 10.0
 
 
 def test_it_follows_a_slower_leader_at_the_time_gap() -> None:
