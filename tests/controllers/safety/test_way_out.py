@@ -319,13 +319,22 @@ def test_a_queue_is_waited_in_although_the_ego_makes_room_for_somebody_in_its_la
     assert WAY_OUT not in statuses
 
 
-def test_somebody_who_leans_on_the_car_is_left_so_slowly_that_it_counts_as_standing() -> None:
-    leans = Walker(1.0, -(0.5 * BODY.width + 0.25) + 0.05)
+@pytest.mark.parametrize(
+    "people",
+    [
+        [Walker(1.0, -(0.5 * BODY.width + 0.25) + 0.05)],
+        # SUMO's people walk into a standing car. However it moves, one of these gets farther under it.
+        [Walker(2.0, 0.7), Walker(2.0, -0.7), Walker(3.0, 0.2), Walker(3.3, -0.2)],
+    ],
+)
+def test_people_who_lean_on_the_car_are_left_so_slowly_that_it_counts_as_standing(
+    people: list[Walker],
+) -> None:
     check, speed, steering = LastCheck(), 0.0, 0.0
     for tick in range(80):
         state = ego(speed=speed, time=0.1 * tick, steering=steering)
-        seen = perception(state, straight_road(2), [leans])
-        plan = check.checked(seen, keeps(2.0), np.array([False]), None, True)
+        seen = perception(state, straight_road(2), people)
+        plan = check.checked(seen, keeps(2.0), np.full(len(people), False), None, True)
         speed = max(speed + 0.1 * float(plan.command.acceleration[0]), 0.0)
         steering = float(plan.command.steering[0])
         assert speed < INCHING + 1e-6
