@@ -68,7 +68,7 @@ class _Try(NamedTuple):
     shortest: float
     beyond: float = 0.0
     off: Obstacles | None = None
-    over: bool = False
+    regardless: bool = False
     """Whether people who have walked into the car are left out of ``near``."""
 
 
@@ -90,7 +90,7 @@ class WayOut:
     """Length of the way that has been driven [m]."""
     _beyond: float = 0.0
     """How much farther beside the lane the present way may lead [m]."""
-    _over: bool = False
+    _regardless: bool = False
     """Whether the present way disregards people who have walked into the car."""
     _sought: float = -np.inf
     _last: float = 0.0
@@ -164,7 +164,7 @@ class WayOut:
         if self._way is None:
             return None
         speed = INCHING if leant_on else SPEED
-        kept = np.where(under & self._over, -np.inf, kept)
+        kept = np.where(under & self._regardless, -np.inf, kept)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
@@ -189,7 +189,7 @@ class WayOut:
         without = np.where(under, -np.inf, kept)
         way, done, self._way = self._way, self._driven, None
         if way is not None and done < (len(way) - 1) * free_way.ARC:
-            drifted = _drifted(people, without if self._over else kept, vehicles)
+            drifted = _drifted(people, without if self._regardless else kept, vehicles)
             if free_way.leads_on(perception, drifted, way, done, self._beyond):
                 self._way = way
                 return
@@ -207,9 +207,9 @@ class WayOut:
             apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
             tries.append(_Try(near, free_way.SHORTEST, beside, apart))
         if under.any():
-            tries.append(_Try(_obstacles(people, without, vehicles), least, beside, over=True))
+            tries.append(_Try(_obstacles(people, without, vehicles), least, beside, regardless=True))
         for one in tries:
-            self._beyond, self._over = one.beyond, one.over
+            self._beyond, self._regardless = one.beyond, one.regardless
             self._way = free_way.find(perception, one.near, farthest, one.beyond, one.off, one.shortest)
             if self._way is not None:
                 return
