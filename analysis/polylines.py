@@ -18,6 +18,37 @@ def arc_lengths(line: FloatArray) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
+def crossing_point(
+    polyline: FloatArray, line: FloatArray, from_station: float = 0.0
+) -> tuple[float, FloatArray, FloatArray] | None:
+    """Return where a polyline meets a line: station [m], and both directions; ``None`` if nowhere.
+
+    If they meet more than once, the first meeting at or after ``from_station`` counts, or else the last one.
+
+    Parameters
+    ----------
+    polyline, line : (n, 2) and (m, 2) [m]
+    from_station : distance along the polyline [m]
+    """
+    start, step = polyline[:-1, None, :], np.diff(polyline, axis=0)[:, None, :]
+    other, other_step = line[None, :-1, :], np.diff(line, axis=0)[None, :, :]
+    rest = other - start
+    determinant = step[..., 0] * other_step[..., 1] - step[..., 1] * other_step[..., 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (rest[..., 0] * other_step[..., 1] - rest[..., 1] * other_step[..., 0]) / determinant
+        other_share = (rest[..., 0] * step[..., 1] - rest[..., 1] * step[..., 0]) / determinant
+    hits = np.argwhere((share >= 0.0) & (share < 1.0) & (other_share >= 0.0) & (other_share <= 1.0))
+    if not len(hits):
+        return None
+    lengths = np.hypot(step[:, 0, 0], step[:, 0, 1])
+    begins = np.cumsum(lengths) - lengths
+    stations = begins[hits[:, 0]] + share[tuple(hits.T)] * lengths[hits[:, 0]]
+    chosen = int(next(iter(np.flatnonzero(stations >= from_station)), len(hits) - 1))
+    first, second = hits[chosen]
+    station = float(stations[chosen])
+    return station, step[first, 0] / lengths[first], other_step[0, second] / np.hypot(*other_step[0, second])
+
+
 def inside(outline: FloatArray, points: FloatArray) -> BoolArray:
     """Return which points are inside a polygon, where a ray crosses the outline an odd number of times.
 

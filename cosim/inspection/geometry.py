@@ -7,14 +7,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from analysis.polylines import arc_lengths, inside
+from analysis.polylines import inside
 from cosim.arrays import FloatArray
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.ways import CAR
 from cosim.sensing.lines_of_sight import distance_to_pieces
 from cosim.sumo.bends import CAR as CAR_TURNING
 from cosim.sumo.bends import widened
-from cosim.sumo.corners import rounded
 from cosim.sumo.network import TURNAROUND, Connection, NetCrossing, Network
 from cosim.sumo.path import Path
 
@@ -149,7 +148,7 @@ def _turning(network: Network) -> Iterator[tuple[Connection, Path, float]]:
             apart = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 0.05])
             if apart.sum() < 3:
                 continue
-            path = Path(*rounded(points[apart], 0.0, arc_lengths(points[apart])))
+            path = Path.rounded(points[apart])
             yield one, path, 1.0 / max(float(np.abs(path.curvature).max()), 1e-6)
 
 

@@ -10,14 +10,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from analysis.polylines import arc_lengths
+from analysis.polylines import arc_lengths, crossing_point
 from controllers.interface import CrossingKind
 from cosim.arrays import FloatArray
 from cosim.sumo.bends import BEFORE, CAR, Bend, Turning, highest_speed, widened
-from cosim.sumo.corners import rounded
 from cosim.sumo.lane_chain import Piece, without_jogs
 from cosim.sumo.network import Connection, NetCrossing
-from cosim.sumo.path import Path, crossing_point
+from cosim.sumo.path import Path
 
 STOP_MARGIN = 1.0
 """Distance from a stop line to the crossing behind it [m]."""
@@ -134,7 +133,7 @@ class LanePath:
         step: int,
         turning: Turning = CAR,
     ) -> None:
-        self.curve, drawn_anew = widened(Path(*rounded(*without_jogs(polyline, origin, pieces))), turning)
+        self.curve, drawn_anew = widened(Path.rounded(*without_jogs(polyline, origin, pieces)), turning)
         knots = arc_lengths(polyline) + origin
 
         def along(station: float) -> float:

@@ -12,6 +12,7 @@ import scipy
 
 from analysis.polylines import arc_lengths
 from cosim.arrays import FloatArray, IntArray
+from cosim.sumo import corners
 
 SPACING = 0.5
 """Largest distance between samples [m]."""
@@ -53,6 +54,11 @@ class Path:
         grid = evenly(knots[-1])
         samples = np.column_stack([np.interp(grid, knots, polyline[:, axis]) for axis in (0, 1)])
         self._draw(samples, grid + origin)
+
+    @classmethod
+    def rounded(cls, polyline: FloatArray, origin: float = 0.0, knots: FloatArray | None = None) -> Path:
+        """Return the path along a polyline whose corners are made round (:mod:`cosim.sumo.corners`)."""
+        return cls(*corners.rounded(polyline, origin, arc_lengths(polyline) if knots is None else knots))
 
     @classmethod
     def through(cls, samples: FloatArray, stations: FloatArray) -> Path:
@@ -364,34 +370,3 @@ def _smoothed(values: FloatArray) -> FloatArray:
     after = values[-1:] + steps[::-1] * (values[-1:] - values[-2:-1])
     sums = np.cumsum(np.concatenate([np.zeros_like(values[:1]), before, values, after]), axis=0)
     return np.asarray((sums[SMOOTHING:] - sums[:-SMOOTHING]) / SMOOTHING)
-
-
-def crossing_point(
-    polyline: FloatArray, line: FloatArray, from_station: float = 0.0
-) -> tuple[float, FloatArray, FloatArray] | None:
-    """Return where a polyline meets a line: station [m], and both directions; ``None`` if nowhere.
-
-    If they meet more than once, the first meeting at or after ``from_station`` counts, or else the last one.
-
-    Parameters
-    ----------
-    polyline, line : (n, 2) and (m, 2) [m]
-    from_station : distance along the polyline [m]
-    """
-    start, step = polyline[:-1, None, :], np.diff(polyline, axis=0)[:, None, :]
-    other, other_step = line[None, :-1, :], np.diff(line, axis=0)[None, :, :]
-    rest = other - start
-    determinant = step[..., 0] * other_step[..., 1] - step[..., 1] * other_step[..., 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = (rest[..., 0] * other_step[..., 1] - rest[..., 1] * other_step[..., 0]) / determinant
-        other_share = (rest[..., 0] * step[..., 1] - rest[..., 1] * step[..., 0]) / determinant
-    hits = np.argwhere((share >= 0.0) & (share < 1.0) & (other_share >= 0.0) & (other_share <= 1.0))
-    if not len(hits):
-        return None
-    lengths = np.hypot(step[:, 0, 0], step[:, 0, 1])
-    begins = np.cumsum(lengths) - lengths
-    stations = begins[hits[:, 0]] + share[tuple(hits.T)] * lengths[hits[:, 0]]
-    chosen = int(next(iter(np.flatnonzero(stations >= from_station)), len(hits) - 1))
-    first, second = hits[chosen]
-    station = float(stations[chosen])
-    return station, step[first, 0] / lengths[first], other_step[0, second] / np.hypot(*other_step[0, second])

@@ -1,14 +1,27 @@
 """Lines and outlines in the plane."""
 
+import math
+
 import numpy as np
 import pytest
 from shapely import Polygon, contains_xy
 
-from analysis.polylines import arc_lengths, inside
+from analysis.polylines import arc_lengths, crossing_point, inside
 
 
 def test_the_way_along_a_line_is_the_sum_of_its_pieces() -> None:
     assert arc_lengths(np.array([[1.0, 1.0], [4.0, 5.0], [4.0, 5.0], [4.0, -1.0]])).tolist() == [0, 5, 5, 11]
+
+
+def test_the_meeting_of_two_lines_is_found() -> None:
+    path = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
+    meeting = crossing_point(path, np.array([[14.0, -5.0], [14.0, 5.0]]))
+    assert meeting is not None
+    station, direction, axis = meeting
+    assert station == pytest.approx(14.0)
+    assert math.atan2(direction[1], direction[0]) == pytest.approx(0.0)
+    assert abs(axis[1]) == pytest.approx(1.0)
+    assert crossing_point(path, np.array([[14.0, 1.0], [14.0, 5.0]])) is None
 
 
 @pytest.mark.parametrize("closed", [False, True])

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cosim.arrays import FloatArray
-from cosim.sumo.path import ASKED_AGAIN, Path, crossing_point, interpolated, project_all
+from cosim.sumo.path import ASKED_AGAIN, Path, interpolated, project_all
 
 BEND = np.array([[-60.0, 0.0], [0.0, 0.0], [6.0, 1.0], [10.0, 5.0], [11.0, 11.0], [11.0, 80.0]])
 
@@ -82,17 +82,6 @@ def test_corners_are_cut_by_little() -> None:
     path = Path(BEND, origin=-60.0)
     dense = np.concatenate([np.linspace(start, end, 50) for start, end in pairwise(BEND)])
     assert np.abs(path.project(dense)[1]).max() < 0.5
-
-
-def test_the_meeting_of_two_lines_is_found() -> None:
-    path = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
-    meeting = crossing_point(path, np.array([[14.0, -5.0], [14.0, 5.0]]))
-    assert meeting is not None
-    station, direction, axis = meeting
-    assert station == pytest.approx(14.0)
-    assert math.atan2(direction[1], direction[0]) == pytest.approx(0.0)
-    assert abs(axis[1]) == pytest.approx(1.0)
-    assert crossing_point(path, np.array([[14.0, 1.0], [14.0, 5.0]])) is None
 
 
 ROUND_THE_BLOCK = np.array([[0.0, 0.0], [60.0, 0.0], [60.0, 50.0], [0.0, 50.0], [0.0, 0.0], [60.0, 0.0]])
