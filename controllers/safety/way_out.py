@@ -164,7 +164,7 @@ class WayOut:
         if self._way is None:
             return None
         speed = INCHING if leant_on else SPEED
-        kept = np.where(under & self._regardless, -np.inf, kept)
+        kept = self._counted(kept, under)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
@@ -186,10 +186,9 @@ class WayOut:
         all of them. If there is no way otherwise, those under the body count no longer.
         """
         vehicles, time = _vehicles(perception), perception.ego.time
-        without = np.where(under, -np.inf, kept)
         way, done, self._way = self._way, self._driven, None
         if way is not None and done < (len(way) - 1) * free_way.ARC:
-            drifted = _drifted(people, without if self._regardless else kept, vehicles)
+            drifted = _drifted(people, self._counted(kept, under), vehicles)
             if free_way.leads_on(perception, drifted, way, done, self._beyond):
                 self._way = way
                 return
@@ -207,12 +206,22 @@ class WayOut:
             apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
             tries.append(_Try(near, free_way.SHORTEST, beside, apart))
         if under.any():
-            tries.append(_Try(_obstacles(people, without, vehicles), least, beside, regardless=True))
+            without = _obstacles(people, _disregarded(kept, under), vehicles)
+            tries.append(_Try(without, least, beside, regardless=True))
         for one in tries:
             self._beyond, self._regardless = one.beyond, one.regardless
             self._way = free_way.find(perception, one.near, farthest, one.beyond, one.off, one.shortest)
             if self._way is not None:
                 return
+
+    def _counted(self, kept: FloatArray, under: NDArray[np.bool_]) -> FloatArray:
+        """Return the distances kept on the present way, shape (n,) [m]."""
+        return _disregarded(kept, under) if self._regardless else kept
+
+
+def _disregarded(kept: FloatArray, who: NDArray[np.bool_]) -> FloatArray:
+    """Return distances with which some people are never too near, shape (n,) [m]."""
+    return np.where(who, -np.inf, kept)
 
 
 def _before_a_crossing(perception: Perception) -> bool:

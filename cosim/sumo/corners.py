@@ -19,8 +19,8 @@ POINTS = 9
 """Number of points of the polyline that a corner becomes."""
 
 
-def rounded(polyline: FloatArray, origin: float, knots: FloatArray) -> tuple[FloatArray, float, FloatArray]:
-    """Return points, origin and knots of a polyline whose corners are parabolas.
+def rounded(polyline: FloatArray, knots: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return points and knots of a polyline whose corners are parabolas.
 
     Each parabola begins and ends on the polyline, no farther from its corner than halfway to the next one, so
     chords of a curve become the curve. Stations do not change.
@@ -28,26 +28,25 @@ def rounded(polyline: FloatArray, origin: float, knots: FloatArray) -> tuple[Flo
     Parameters
     ----------
     polyline : (n, 2) [m]
-    origin : station of the first point [m]
-    knots : station of each point, counted from the first [m]
+    knots : station of each point, (n,) [m]
     """
     chords = np.diff(polyline, axis=0)
     turns = np.diff(np.unwrap(np.arctan2(chords[:, 1], chords[:, 0])))
     corners = np.flatnonzero(np.abs(turns) > SLIGHT) + 1
     if not len(corners):
-        return polyline, origin, knots
+        return polyline, knots
     along = arc_lengths(polyline)
     halves = 0.5 * np.diff(along[np.concatenate([[0], corners, [len(polyline) - 1]])])
     reach = np.minimum(halves[:-1], halves[1:])
     reach = np.minimum(reach, DEVIATION / np.tan(0.25 * np.abs(turns[corners - 1])))
+    lows, highs = along[corners] - reach, along[corners] + reach
+    begins, ends = (
+        np.column_stack([np.interp(at, along, polyline[:, axis]) for axis in (0, 1)]) for at in (lows, highs)
+    )
     parts, places = [], []
     done = 0.0
     share = np.linspace(0.0, 1.0, POINTS)[:, None]
-    for corner, far in zip(corners, reach, strict=True):
-        low, high = along[corner] - far, along[corner] + far
-        begin, end = (
-            np.array([np.interp(at, along, polyline[:, axis]) for axis in (0, 1)]) for at in (low, high)
-        )
+    for corner, low, high, begin, end in zip(corners, lows, highs, begins, ends, strict=True):
         straight = (along >= done) & (along < low)
         parts += [
             polyline[straight],
@@ -59,4 +58,4 @@ def rounded(polyline: FloatArray, origin: float, knots: FloatArray) -> tuple[Flo
     points = np.concatenate([*parts, polyline[rest]])
     stations = np.interp(np.concatenate([*places, along[rest]]), along, knots)
     apart = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-6])
-    return points[apart], origin, stations[apart]
+    return points[apart], stations[apart]

@@ -58,7 +58,8 @@ class Path:
     @classmethod
     def rounded(cls, polyline: FloatArray, origin: float = 0.0, knots: FloatArray | None = None) -> Path:
         """Return the path along a polyline whose corners are made round (:mod:`cosim.sumo.corners`)."""
-        return cls(*corners.rounded(polyline, origin, arc_lengths(polyline) if knots is None else knots))
+        points, knots = corners.rounded(polyline, arc_lengths(polyline) if knots is None else knots)
+        return cls(points, origin, knots)
 
     @classmethod
     def through(cls, samples: FloatArray, stations: FloatArray) -> Path:

@@ -15,12 +15,6 @@ from cosim.sumo.corners import DEVIATION, rounded
 from cosim.sumo.path import Path
 
 
-def made_round(polyline: FloatArray) -> tuple[FloatArray, FloatArray]:
-    points, origin, knots = rounded(polyline, -5.0, arc_lengths(polyline))
-    assert origin == -5.0
-    return points, knots
-
-
 def turn(radius: float, angle: float, chords: int) -> FloatArray:
     """Return a turn between two straights as SUMO draws it, with points on the true curve."""
     angles = np.linspace(0.0, angle, chords + 1)
@@ -32,24 +26,22 @@ def turn(radius: float, angle: float, chords: int) -> FloatArray:
 @pytest.mark.parametrize("radius", [8.0, 12.0, 20.0])
 def test_the_chords_of_a_turn_become_a_curve_about_as_tight_as_the_turn(radius: float) -> None:
     drawn = turn(radius, 0.5 * math.pi, 4)
-    points, knots = made_round(drawn)
-    assert np.abs(Path(points, 0.0, knots).curvature).max() < 1.2 / radius
+    assert np.abs(Path.rounded(drawn).curvature).max() < 1.2 / radius
     # SUMO's chords themselves are smoothed within a few metres only.
     assert radius < 12.0 or np.abs(Path(drawn).curvature).max() > 1.3 / radius
 
 
 def test_a_slight_corner_between_long_chords_slows_nobody_down() -> None:
     line = np.array([[0.0, 0.0], [40.0, 0.0], [40.0 + 40.0 * math.cos(0.17), 40.0 * math.sin(0.17)]])
-    points, knots = made_round(line)
     comfortable = 3.0
-    assert math.sqrt(comfortable / np.abs(Path(points, 0.0, knots).curvature).max()) > 13.9
+    assert math.sqrt(comfortable / np.abs(Path.rounded(line).curvature).max()) > 13.9
     assert math.sqrt(comfortable / np.abs(Path(line).curvature).max()) < 9.0
 
 
 def test_what_is_straight_stays_as_it_is() -> None:
     line = np.array([[0.0, 0.0], [30.0, 0.1], [70.0, 0.3]])
     knots = arc_lengths(line)
-    same, _, stations = rounded(line, 0.0, knots)
+    same, stations = rounded(line, knots)
     assert same is line
     assert stations is knots
 
@@ -63,7 +55,7 @@ def test_any_line_keeps_its_ends_and_stations_and_is_left_by_little(
     heading = np.cumsum(turns)
     steps = lengths[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
     line = np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)])
-    points, knots = made_round(line)
+    points, knots = rounded(line, arc_lengths(line))
     assert points[[0, -1]] == pytest.approx(line[[0, -1]])
     assert knots[[0, -1]] == pytest.approx(arc_lengths(line)[[0, -1]])
     assert (np.diff(knots) > 0.0).all()
