@@ -24,8 +24,12 @@ CostOfLane = Callable[[Lane], float]
 OVER = 1.0
 """A vehicle counts as being at a waiting place up to this far before or beyond it [m]."""
 WAITING_BRAKING = 4.0
-"""An ego that needs more braking than this to stop with room for a change drives on to the lane's end
-[m/s^2]."""
+"""An ego that needs more braking than this to stop with room for a change stops somewhat later [m/s^2]."""
+STOPPING_LATER = 2.0
+"""Braking of an ego that stops beyond its waiting place [m/s^2]."""
+TIGHT_ROOM = 8.0
+"""Length before the lane's end in which a change from a standstill is just possible, with the body still
+askew at the end [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,8 +192,8 @@ class LaneByCost:
         The place leaves the room that a change from a standstill takes. For a change to the right, it also
         leaves room for another vehicle: of two side by side that want each other's lane, one has to let the
         other go first. If a crossing prevents a change at the place but not beyond the crossing, the place is
-        beyond it. An ego that cannot stop there any more waits nearer to the lane's end, or may use the lane
-        to its end.
+        beyond it. An ego that cannot stop there any more stops beyond the place while it can still change
+        from there, or may use the lane to its end.
         """
         road, ego = perception.road, perception.ego
         here, wanted = road.lane(road.reference), lane_for_route(perception)
@@ -202,7 +206,8 @@ class LaneByCost:
             # An ego that stands there already may be slightly beyond the place.
             if ego.speed**2 / (2.0 * WAITING_BRAKING) <= at + OVER - ego.body.front:
                 return at
-        return np.inf
+        later = ego.body.front + ego.speed**2 / (2.0 * STOPPING_LATER)
+        return later if later <= here.follows_route_for - TIGHT_ROOM else np.inf
 
     def _beyond_crossings(self, perception: Perception, place: float) -> float:
         """Return a waiting place, or one beyond the crossings near it if a change may begin there [m]."""
