@@ -47,6 +47,14 @@ def test_where_a_crossing_is_in_the_way_of_the_change_it_waits_beyond_it_if_ther
     assert _place(1, speed=1.0, ends=25.0, crossings=(first, zebra(16.0))) == free
 
 
+def test_who_comes_to_rest_beyond_the_place_waits_where_it_can_still_change() -> None:
+    """Having given up a change, an ego stood just beyond the place and drove on to the end of its lane."""
+    front = Body().front
+    assert _place(0, speed=0.0, ends=front + 10.0) == front
+    assert front < _place(0, speed=2.0, ends=front + 10.0) <= front + 2.0
+    assert math.isinf(_place(0, speed=0.0, ends=front + 5.0))
+
+
 def test_from_there_the_change_begins() -> None:
     controller = catalog.build("vo_mpc", seed=1)
     road = lanes_that_follow(straight_road(2, 1), {1: 25.0})
