@@ -33,6 +33,8 @@ LET_GO = 1.0
 """The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
 """Speed, acceleration and deceleration on the way out [m/s, m/s^2]."""
+PAST, CLOSE = 0.5, 0.4
+"""Speed past people who are nearer than this distance: who steps out meets a car that stands again [m/s, m]."""
 INCHING, APART = 0.07, 0.01
 """Speed while somebody leans on the car, so low that it counts as standing; people nearer than this distance
 lean on it [m/s, m]."""
@@ -163,7 +165,7 @@ class WayOut:
         self.taken = self._way is not None
         if self._way is None:
             return None
-        speed = INCHING if leant_on else SPEED
+        speed = INCHING if leant_on else PAST if (now < CLOSE).any() else SPEED
         kept = self._counted(kept, under)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)

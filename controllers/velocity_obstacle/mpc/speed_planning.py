@@ -196,7 +196,9 @@ class SpeedPlanner:
         if len(conflicts):
             bounds = self._class_bounds(perception, task, conflicts)
             chosen = replace(chosen, bound=_reaches(bounds, behind, chosen.plan, self.program.limits))
-        farthest, too_far = float(min(task.upper.min(), task.headway.min())), 0.0
+        # A plan that stays where it is although its bounds do not hold it is stuck as well.
+        farthest = float(min(task.upper.min(), task.headway.min(), chosen.plan.position[-1]))
+        too_far = 0.0
         if behind:
             upper = self._class_bounds(perception, task, conflicts).upper[behind]
             farthest = min(farthest, float(upper.min()))
