@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
-from controllers.arrays import FloatArray
+from controllers.arrays import FloatArray, IntArray
 from controllers.interface import Crossing, Perception
 
 STANDS_FOR = 1.0
@@ -46,24 +47,38 @@ def keep_clear_line(
 
 
 def keep_clear_of_people(
-    perception: Perception, along: FloatArray, places: FloatArray, until: FloatArray
+    perception: Perception, who: IntArray, along: FloatArray, places: FloatArray, until: FloatArray
 ) -> float:
-    """Return the stop line of a crossing on which the ego would stand for people beyond it; inf for none.
+    """Return the stop line of a crossing on which the ego would stand for people; inf for none.
+
+    They are beyond the crossing, or beside it where they wait for something other than the ego.
 
     Parameters
     ----------
     perception
         What the ego is told.
-    along, places, until
-        Places of the pedestrians who are let pass, places where the front bumper stops for them, and times
-        until which it has to, shape (n,) [m, m, s].
+    who, along, places, until
+        Indices and places of the pedestrians who are let pass, places where the front bumper stops for them,
+        and times until which it has to, shape (n,) [-, m, m, s].
     """
     body, speed = perception.ego.body, max(perception.ego.speed, 3.0)
+    beside = _waits_for_others(perception)[who]
     for crossing, _, beyond in _avoidable(perception, ()):
         there = (beyond - body.front) / speed
-        if ((along > crossing.exit) & (places < beyond) & (until > there + STANDS_FOR)).any():
+        in_the_way = (along > crossing.exit) | (beside & (places > crossing.entry))
+        if (in_the_way & (places < beyond) & (until > there + STANDS_FOR)).any():
             return crossing.stop_line
     return float("inf")
+
+
+def _waits_for_others(perception: Perception) -> NDArray[np.bool_]:
+    """Return who waits for lights, or for a crossing that the ego does not come to, shape (n,).
+
+    Whoever waits for the ego stays until it has gone, so stopping for them ends nothing.
+    """
+    people, crossings = perception.pedestrians, perception.road.crossings
+    red = np.array([crossing.pedestrians_have_green is False for crossing in crossings] + [True])
+    return np.asarray(people.waiting & red[people.crossing])  # the last is for -1, no crossing of the ego's
 
 
 def _avoidable(perception: Perception, begun: Container[str]) -> Iterator[tuple[Crossing, float, float]]:

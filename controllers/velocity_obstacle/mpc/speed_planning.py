@@ -318,7 +318,7 @@ class SpeedPlanner:
         # An ego whose body would stand on a crossing while it waits for a pedestrian stops before that
         # crossing.
         stops = passing_classes.stops(conflicts, behind, front, self.settings.margin_along)
-        line = keep_clear_of_people(perception, *stops)
+        line = keep_clear_of_people(perception, conflicts.index[:behind], *stops)
         before = max(line - position_bounds.BEFORE_LINE - front, 0.0)
         upper = np.minimum(task.upper, np.minimum(people, before))
         stoppable = np.minimum(bounds.freeze[behind], max(line - front, 0.0))

@@ -9,8 +9,8 @@ import pytest
 
 from controllers.driving.keep_clear import keep_clear_line, keep_clear_of_people
 from controllers.driving.road_speeds import reference_speed
-from controllers.interface import Perception
-from tests.controllers.scenes import FRONT, bend, ego, perception, straight_road, zebra
+from controllers.interface import CrossingKind, Perception
+from tests.controllers.scenes import FRONT, Walker, bend, ego, perception, straight_road, zebra
 
 POSITIONS = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 60.0])
 TIMES = np.arange(0.5, 6.1, 0.5)
@@ -109,7 +109,33 @@ def test_a_crossing_the_ego_is_on_or_cannot_stop_before_is_not_stopped_at() -> N
 def test_a_crossing_is_kept_clear_of_people_behind_it(
     along: float, place: float, until: float, line: float
 ) -> None:
-    scene = perception(ego(speed=8.0), crossings=[zebra(30.0)])
-    found = keep_clear_of_people(scene, np.array([along]), np.array([place]), np.array([until]))
+    scene = perception(ego(speed=8.0), crossings=[zebra(30.0)], walkers=[Walker(along, 0.0)])
+    found = keep_clear_of_people(
+        scene, np.array([0]), np.array([along]), np.array([place]), np.array([until])
+    )
     assert found == line
-    assert keep_clear_of_people(scene, np.zeros(0), np.zeros(0), np.zeros(0)) == np.inf
+    none = np.zeros(0)
+    assert keep_clear_of_people(scene, none.astype(int), none, none, none) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("walker", "green", "line"),
+    [
+        # They wait for another crossing, which the ego does not come to, or for their light.
+        (Walker(33.0, -1.2, waiting=True), None, 29.0),
+        (Walker(33.0, -1.2, crossing=0, waiting=True), False, 29.0),
+        # They wait for the ego to leave, or walk on.
+        (Walker(33.0, -1.2, crossing=0, waiting=True), None, np.inf),
+        (Walker(33.0, -1.2, crossing=0, waiting=True), True, np.inf),
+        (Walker(33.0, -1.2), None, np.inf),
+    ],
+)
+def test_a_crossing_is_kept_clear_of_people_beside_it_who_do_not_wait_for_the_ego(
+    walker: Walker, green: bool | None, line: float
+) -> None:
+    """They stood in its way on the crossing until their own light, and so did the ego."""
+    crossing = replace(zebra(30.0, CrossingKind.UNMARKED), pedestrians_have_green=green)
+    scene = perception(ego(speed=8.0), crossings=[crossing], walkers=[walker])
+    place = np.array([32.0])
+    found = keep_clear_of_people(scene, np.array([0]), np.array([walker.along]), place, np.array([np.inf]))
+    assert found == line
