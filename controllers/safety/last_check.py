@@ -44,7 +44,7 @@ from controllers.safety.vehicle_boxes import (
     outside_the_bend,
     standing_vehicles,
 )
-from controllers.safety.way_out import A_CYCLE, NEARER, PATIENCE, WayOut
+from controllers.safety.way_out import A_CYCLE, NEARER, PATIENCE, WayOut, leans
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
 """Status of a plan that was replaced by braking, and of one replaced by a way out at walking pace."""
@@ -89,6 +89,7 @@ class LastCheck:
         stuck: bool = False,
         room: float = np.inf,
         comes: FloatArray | None = None,
+        to_stop: float = np.inf,
     ) -> Plan:
         """Return the plan, or a replacement if it would touch somebody.
 
@@ -109,6 +110,8 @@ class LastCheck:
         comes
             Speed across of those who walk to a waiting place in the lane, or will walk on across a crossing,
             shape (n,); nan for others; ``None`` if there are no such pedestrians [m/s].
+        to_stop
+            How far the front bumper may go until it has to wait for something other than people [m].
         """
         near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
         at_lights = self._lights.look(perception)
@@ -131,11 +134,12 @@ class LastCheck:
         if not starts:
             self._out.reset()
         else:
-            held = touched or stuck
+            held = touched or stuck or leans(clearance[0, 0, : len(near)])
             # Pedestrians for whom it would wait, had it not waited so long, still keep it from starting.
             near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
             patience = _patience(at_lights, clearance[0, 0, : len(near)])
-            out = self._out.command(perception, people, walk, times, room, held, near_it, patience)
+            far = room, to_stop
+            out = self._out.command(perception, people, walk, times, far, held, near_it, patience)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:

@@ -42,6 +42,8 @@ TO_PEOPLE = (0.1, 0.02)
 """Distance kept to people who stand, and the smaller one used if there is no way with the first [m]."""
 TO_WALKERS, TO_VEHICLES, TO_DRIVING = 0.5, 0.1, 0.5
 """Distance kept to people who walk, to vehicles that stand and to those that drive [m]."""
+TO_WALKERS_INCHING = 0.2
+"""Distance kept to people who walk by an ego that inches away from others [m]."""
 LEAST_TO_PEOPLE, LEAST_TO_VEHICLES = 0.005, 0.03
 """Least distances to people and to vehicles while a way is driven, however inexactly [m]."""
 INSTANTS = 10
@@ -113,7 +115,7 @@ class WayOut:
         people: Discs,
         walks: NDArray[np.bool_],
         times: FloatArray,
-        farthest: float,
+        farthest: tuple[float, float],
         held: bool,
         somebody_near: bool,
         patience: float = PATIENCE,
@@ -131,7 +133,8 @@ class WayOut:
         times
             Instants of ``people``, from now, shape (K,) [s].
         farthest
-            How far the front bumper may go with regard to everything else [m].
+            How far the front bumper may go with regard to everything else, and with regard to everything but
+            people [m].
         held
             Whether somebody keeps the ego from following its plan.
         somebody_near
@@ -158,15 +161,18 @@ class WayOut:
         if not self.taken and ego.time - self.held_since <= patience:
             return None
         now = _distances(perception, people)
-        wide, kept = (np.where(walks, TO_WALKERS, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
-        leant_on = bool((now <= APART).any())
+        leant_on = leans(now)
+        # An ego that inches is no danger to those who walk past ahead of it. It waits only for those who come
+        # near, or it would stay while people cross, and others would gather at its side.
+        to_walkers = -np.inf if leant_on else TO_WALKERS
+        wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
         under = now < -people.radius[:, 0]
-        self._look(perception, people, wide, kept, farthest, leant_on, under)
+        self._look(perception, people, wide, kept, farthest[leant_on], leant_on, under)
         self.taken = self._way is not None
         if self._way is None:
             return None
         speed = INCHING if leant_on else PAST if (now < CLOSE).any() else SPEED
-        kept = self._counted(kept, under)
+        kept = self._counted(np.where(walks & leant_on, TO_WALKERS_INCHING, kept), under)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
@@ -221,6 +227,11 @@ class WayOut:
         return _disregarded(kept, under) if self._regardless else kept
 
 
+def leans(to_people: FloatArray) -> bool:
+    """Return whether somebody leans on the car, given its distances to people, shape (n,) [m]."""
+    return bool((to_people <= APART).any())
+
+
 def _disregarded(kept: FloatArray, who: NDArray[np.bool_]) -> FloatArray:
     """Return distances with which some people are never too near, shape (n,) [m]."""
     return np.where(who, -np.inf, kept)
@@ -266,7 +277,7 @@ def _towards(
 ) -> Command:
     """Return the command that follows a steering angle, or waits while somebody is in the way."""
     ego = perception.ego
-    x, y, heading = _rolled(perception, angle, times)
+    x, y, heading = _rolled(perception, angle, speed, times)
     clearance = disc_clearances(x, y, heading, ego.body, people.x, people.y, people.radius)
     meets = (clearance[:CHECKED, 0] < free_way.drifted(kept, LEAST_TO_PEOPLE)).any()
     meets |= (clearance[:CHECKED_WALKERS, 0, walks] < kept[walks]).any()
@@ -291,13 +302,13 @@ def _here(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _rolled(
-    perception: Perception, angle: float, times: FloatArray
+    perception: Perception, angle: float, speed: float, times: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return x, y and heading of the rear axle as the wheels turn to a steering angle, shape (K, 1) each."""
     ego, step = perception.ego, np.diff(times, prepend=0.0)
     rate = ego.drive.max_steering_rate * times
     steering = ego.steering + np.clip(angle - ego.steering, -rate, rate)
-    way = step * np.minimum(ego.speed + ACCELERATION * times, max(SPEED, ego.speed))
+    way = step * np.minimum(ego.speed + ACCELERATION * times, max(speed, ego.speed))
     heading = ego.heading_error + np.cumsum(way * np.tan(steering) / ego.body.wheelbase)
     x = np.cumsum(way * np.cos(heading))
     y = ego.across + np.cumsum(way * np.sin(heading))

@@ -169,9 +169,8 @@ class VelocityObstacleMpc:
         plan, chosen = self._plan(perception, decision)
         seen = self._seen(perception)
         planner = self._planner(seen)
-        checked = self._last_check.checked(
-            seen, plan, planner.may_enter, planner.forecast, chosen.stuck, chosen.room, planner.comes
-        )
+        known = planner.may_enter, planner.forecast, chosen.stuck, chosen.room, planner.comes
+        checked = self._last_check.checked(seen, plan, *known, chosen.to_stop)
         return replace(checked, own=_own(plan, checked, chosen))
 
     def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:

@@ -60,6 +60,8 @@ class Chosen:
     """How far the plan goes beyond the point where people let go first should stop it [m]."""
     room: float = np.inf
     """How far the front bumper may go until it waits for a light or for a road user who will go on [m]."""
+    to_stop: float = np.inf
+    """The same, until it waits for a light or a vehicle [m]."""
     stuck: bool = False
     """Whether road users who stay where they are keep the ego from moving within ``room``."""
     bound: bool = False
@@ -208,8 +210,10 @@ class SpeedPlanner:
         # Who has stood before the waiting ego may wait for it to leave, on the crossing too.
         goes_on = (self.may_enter & ~self._expectation.lets_go)[conflicts.index[:behind]]
         _, places, _ = passing_classes.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
-        room = min(waits_at, float(places[goes_on].min(initial=np.inf))) - ego.body.front
-        return replace(chosen, too_far=too_far, room=room, stuck=farthest < STUCK_WITHIN < room)
+        to_stop = waits_at - ego.body.front
+        room = min(to_stop, float(places[goes_on].min(initial=np.inf)) - ego.body.front)
+        stuck = farthest < STUCK_WITHIN < room
+        return replace(chosen, too_far=too_far, room=room, to_stop=to_stop, stuck=stuck)
 
     def _solve_class(
         self,

@@ -19,10 +19,12 @@ from controllers.safety.free_way import ARC, REACH, SHORTEST, Obstacles
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
 from controllers.safety.way_out import (
     A_CYCLE,
+    CLOSE,
     INCHING,
     LAST_RESORT,
     LEAST_TO_VEHICLES,
     LET_GO,
+    PAST,
     PATIENCE,
     SPEED,
     TO_VEHICLES,
@@ -340,6 +342,43 @@ def test_people_who_lean_on_the_car_are_left_so_slowly_that_it_counts_as_standin
         assert speed < INCHING + 1e-6
     assert plan.status == WAY_OUT
     assert speed > 0.5 * INCHING
+
+
+@pytest.mark.parametrize(
+    ("ahead", "to_stop", "inches"),
+    [(1.0, np.inf, True), (0.1, np.inf, False), (1.0, 1.0, False)],
+)
+def test_whoever_is_leant_on_inches_off_while_others_cross_well_ahead(
+    ahead: float, to_stop: float, inches: bool
+) -> None:
+    """While it stayed for everybody who crossed, more people gathered at its side."""
+    leans = Walker(1.0, -0.5 * BODY.width - 0.25)
+    crosses = Walker(BODY.front + ahead + 0.25, -0.5, 0.0, 1.3, 0, True)
+    check, steering, moves = LastCheck(), 0.0, []
+    for tick in range(int(10 * PATIENCE) + 20):
+        state = ego(speed=0.0, time=0.1 * tick, steering=steering)
+        seen = perception(state, straight_road(2), [leans, crosses])
+        enters = np.array([False, True])
+        plan = check.checked(seen, keeps(0.0), enters, None, False, ahead, None, to_stop)
+        moves.append(plan.status == WAY_OUT and plan.command.acceleration[0] > 0.0)
+        if plan.status == WAY_OUT:
+            steering = float(plan.command.steering[0])
+    assert not any(moves[: int(10 * PATIENCE)])
+    assert moves[-1] == inches
+
+
+def test_on_the_way_people_beside_the_body_are_passed_slowly() -> None:
+    """They step out as soon as the front is past, and are at the car within a quarter of a second."""
+    beside = Walker(1.0, -0.5 * BODY.width - 0.25 - 0.5 * CLOSE, crossing=0, waiting=True)
+    check, speed, steering, fastest = LastCheck(), 0.0, 0.0, 0.0
+    for tick in range(int(10 * PATIENCE) + 60):
+        seen = perception(ego(speed=speed, time=0.1 * tick, steering=steering), straight_road(2), [beside])
+        plan = check.checked(seen, keeps(2.0), np.zeros(1, bool), None, True)
+        if plan.status == WAY_OUT:
+            speed = max(speed + 0.1 * float(plan.command.acceleration[0]), 0.0)
+            steering = float(plan.command.steering[0])
+            fastest = max(fastest, speed)
+    assert 0.5 * PAST < fastest < PAST + 1e-6
 
 
 @pytest.mark.parametrize("gap", [0.01, 0.04, 0.2])
