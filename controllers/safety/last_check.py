@@ -138,8 +138,7 @@ class LastCheck:
             # Pedestrians for whom it would wait, had it not waited so long, still keep it from starting.
             near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
             patience = _patience(at_lights, clearance[0, 0, : len(near)])
-            far = room, to_stop
-            out = self._out.command(perception, people, walk, times, far, held, near_it, patience)
+            out = self._out.command(perception, people, walk, times, room, to_stop, held, near_it, patience)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:

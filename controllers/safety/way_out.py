@@ -115,7 +115,8 @@ class WayOut:
         people: Discs,
         walks: NDArray[np.bool_],
         times: FloatArray,
-        farthest: tuple[float, float],
+        farthest: float,
+        to_stop: float,
         held: bool,
         somebody_near: bool,
         patience: float = PATIENCE,
@@ -133,8 +134,9 @@ class WayOut:
         times
             Instants of ``people``, from now, shape (K,) [s].
         farthest
-            How far the front bumper may go with regard to everything else, and with regard to everything but
-            people [m].
+            How far the front bumper may go with regard to everything else [m].
+        to_stop
+            How far it may go with regard to everything but people [m].
         held
             Whether somebody keeps the ego from following its plan.
         somebody_near
@@ -167,7 +169,7 @@ class WayOut:
         to_walkers = -np.inf if leant_on else TO_WALKERS
         wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
         under = now < -people.radius[:, 0]
-        self._look(perception, people, wide, kept, farthest[leant_on], leant_on, under)
+        self._look(perception, people, wide, kept, to_stop if leant_on else farthest, leant_on, under)
         self.taken = self._way is not None
         if self._way is None:
             return None
