@@ -41,6 +41,8 @@ REACHED = 0.3
 """A bound that is nearer to a plan than this counts as having shaped it [m]."""
 STUCK_WITHIN = 0.5
 """An ego that cannot go as far as this counts as unable to move [m]."""
+STOOD_LONG = 15.0
+"""People who have stood before the waiting ego for this long are not going to move first [s]."""
 FORECAST_SPACING = 0.1
 """Time step of the predictions; in between, people are expected to go straight on [s]."""
 
@@ -198,13 +200,14 @@ class SpeedPlanner:
         if len(conflicts):
             bounds = self._class_bounds(perception, task, conflicts)
             chosen = replace(chosen, bound=_reaches(bounds, behind, chosen.plan, self.program.limits))
-        # A plan that stays where it is although its bounds do not hold it is stuck as well.
-        farthest = float(min(task.upper.min(), task.headway.min(), chosen.plan.position[-1]))
-        too_far = 0.0
+        farthest, too_far = float(min(task.upper.min(), task.headway.min())), 0.0
         if behind:
             upper = self._class_bounds(perception, task, conflicts).upper[behind]
             farthest = min(farthest, float(upper.min()))
             too_far = max(float((chosen.plan.position - upper).max()), 0.0)
+            # A plan may stay short of its bounds, and stands all the same before people who stay there.
+            if min(self._watch.waited.get(name, 0.0) for name in conflicts.names[:behind]) >= STOOD_LONG:
+                farthest = min(farthest, float(chosen.plan.position[-1]))
         if ego.speed >= SLOW:
             return replace(chosen, too_far=too_far) if too_far else chosen
         # Who has stood before the waiting ego may wait for it to leave, on the crossing too.

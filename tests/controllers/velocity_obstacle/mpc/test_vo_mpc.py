@@ -66,6 +66,13 @@ def test_it_waits_for_somebody_who_stops_in_its_path() -> None:
     assert record.track[0].max() < 62.0
 
 
+def test_it_goes_round_somebody_who_stays_in_its_path_for_good() -> None:
+    """It stood half a metre short of where it had to stop, which did not count as being kept from moving."""
+    record = ride(ONE_LANE, [walk(62.0, -5.0, 0.0, 1.3, stop=4.0)], duration=60.0)
+    assert record.clearance() > 0.0
+    assert record.track[0].max() > 70.0
+
+
 def test_it_stops_behind_a_standing_vehicle_and_stays() -> None:
     record = ride(ToyRoad(), vehicles=[walk(80.0, 0.0, 0.0, 0.0)], duration=20.0)
     gap = 80.0 - 4.5 - record.track[0][-1]
