@@ -44,7 +44,7 @@ from controllers.safety.vehicle_boxes import (
     outside_the_bend,
     standing_vehicles,
 )
-from controllers.safety.way_out import A_CYCLE, NEARER, PATIENCE, WayOut, leans
+from controllers.safety.way_out import A_CYCLE, FREE, NEARER, PATIENCE, Held, WayOut, leans
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
 """Status of a plan that was replaced by braking, and of one replaced by a way out at walking pace."""
@@ -86,10 +86,8 @@ class LastCheck:
         plan: Plan,
         may_enter: NDArray[np.bool_],
         forecast: Forecast | None = None,
-        stuck: bool = False,
-        room: float = np.inf,
+        told: Held = FREE,
         comes: FloatArray | None = None,
-        to_stop: float = np.inf,
     ) -> Plan:
         """Return the plan, or a replacement if it would touch somebody.
 
@@ -103,17 +101,13 @@ class LastCheck:
             Which pedestrians walk on; the others come to a stop, shape (n,).
         forecast
             Where those who walk on are going; ``None``: they keep their velocities.
-        stuck
-            Whether only people who stay where they are keep the plan from going anywhere.
-        room
-            How far the front bumper may go until it has to wait for something else [m].
+        told
+            How far the ego may go according to its plan.
         comes
             Speed across of those who walk to a waiting place in the lane, or will walk on across a crossing,
             shape (n,); nan for others; ``None`` if there are no such pedestrians [m/s].
-        to_stop
-            How far the front bumper may go until it has to wait for something other than people [m].
         """
-        near, told, speed = _near(perception), perception.pedestrians, perception.ego.speed
+        near, speed = _near(perception), perception.ego.speed
         at_lights = self._lights.look(perception)
         self._stood = speed < STANDING or (self._stood and speed < STARTING)
         times = np.arange(0.0, LOOKED_AHEAD + 0.5 * SPACING, SPACING)
@@ -127,18 +121,18 @@ class LastCheck:
         motion = planned(perception, plan, times)
         path = course(perception, plan, motion, times)
         clearance = _clearances(perception, people, cars, path, motion)
-        walk = walking(told)[near]
+        walk = walking(perception.pedestrians)[near]
         waited = self._out.waited(perception.ego.time)
         margin = _margins(clearance[0, 0], walk, starts, waited > PATIENCE)
         touched = bool(_touches(clearance, motion, margin)[0])
         if not starts:
             self._out.reset()
         else:
-            held = touched or stuck or leans(clearance[0, 0, : len(near)])
+            held = touched or told.stuck or leans(clearance[0, 0, : len(near)])
             # Pedestrians for whom it would wait, had it not waited so long, still keep it from starting.
             near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
             patience = _patience(at_lights, clearance[0, 0, : len(near)])
-            out = self._out.command(perception, people, walk, times, room, to_stop, held, near_it, patience)
+            out = self._out.command(perception, people, walk, times, told, held, near_it, patience)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:

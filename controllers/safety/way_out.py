@@ -65,6 +65,21 @@ CHECKED, CHECKED_WALKERS = 8, 20
 those who walk [-]."""
 
 
+class Held(NamedTuple):
+    """What the plan of a slow ego says of how far it may go."""
+
+    stuck: bool = False
+    """Whether only road users who stay where they are keep it from going anywhere within ``room``."""
+    room: float = np.inf
+    """How far the front bumper may go until it waits for a light or for a road user who will go on [m]."""
+    to_stop: float = np.inf
+    """The same, until it waits for a light or for a vehicle [m]."""
+
+
+FREE = Held()
+"""Nothing keeps the ego where it is."""
+
+
 class _Try(NamedTuple):
     """A search for a way; see :func:`controllers.safety.free_way.find`."""
 
@@ -115,8 +130,7 @@ class WayOut:
         people: Discs,
         walks: NDArray[np.bool_],
         times: FloatArray,
-        farthest: float,
-        to_stop: float,
+        told: Held,
         held: bool,
         somebody_near: bool,
         patience: float = PATIENCE,
@@ -133,10 +147,8 @@ class WayOut:
             Which of them walk, shape (n,).
         times
             Instants of ``people``, from now, shape (K,) [s].
-        farthest
-            How far the front bumper may go with regard to everything else [m].
-        to_stop
-            How far it may go with regard to everything but people [m].
+        told
+            How far the ego may go according to its plan.
         held
             Whether somebody keeps the ego from following its plan.
         somebody_near
@@ -169,7 +181,8 @@ class WayOut:
         to_walkers = -np.inf if leant_on else TO_WALKERS
         wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
         under = now < -people.radius[:, 0]
-        self._look(perception, people, wide, kept, to_stop if leant_on else farthest, leant_on, under)
+        farthest = told.to_stop if leant_on else told.room
+        self._look(perception, people, wide, kept, farthest, leant_on, under)
         self.taken = self._way is not None
         if self._way is None:
             return None

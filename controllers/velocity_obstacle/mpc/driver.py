@@ -169,8 +169,9 @@ class VelocityObstacleMpc:
         plan, chosen = self._plan(perception, decision)
         seen = self._seen(perception)
         planner = self._planner(seen)
-        known = planner.may_enter, planner.forecast, chosen.stuck, chosen.room, planner.comes
-        checked = self._last_check.checked(seen, plan, *known, chosen.to_stop)
+        checked = self._last_check.checked(
+            seen, plan, planner.may_enter, planner.forecast, chosen.held, planner.comes
+        )
         return replace(checked, own=_own(plan, checked, chosen))
 
     def _plan(self, perception: Perception, decision: Decision) -> tuple[Plan, Chosen]:

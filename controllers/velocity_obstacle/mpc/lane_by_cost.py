@@ -207,7 +207,8 @@ class LaneByCost:
             if ego.speed**2 / (2.0 * WAITING_BRAKING) <= at + OVER - ego.body.front:
                 return at
         later = ego.body.front + ego.speed**2 / (2.0 * STOPPING_LATER)
-        return later if later <= here.follows_route_for - TIGHT_ROOM else np.inf
+        tight = later > here.follows_route_for - TIGHT_ROOM
+        return np.inf if tight or _crossings_near(perception, later, 0.0) else later
 
     def _beyond_crossings(self, perception: Perception, place: float) -> float:
         """Return a waiting place, or one beyond the crossings near it if a change may begin there [m]."""

@@ -17,6 +17,7 @@ from controllers.driving.right_of_way import RightOfWay
 from controllers.interface import Lane, Perception
 from controllers.optimisation.solve import Memory
 from controllers.prediction.forecast import Forecast, Predictor
+from controllers.safety.way_out import FREE, Held
 from controllers.velocity_obstacle.mpc import passing_classes
 from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds, position_bounds
 from controllers.velocity_obstacle.mpc.lateral import SteeringPlan
@@ -60,12 +61,8 @@ class Chosen:
     """Steering plan, if speed and steering were planned together."""
     too_far: float = 0.0
     """How far the plan goes beyond the point where people let go first should stop it [m]."""
-    room: float = np.inf
-    """How far the front bumper may go until it waits for a light or for a road user who will go on [m]."""
-    to_stop: float = np.inf
-    """The same, until it waits for a light or a vehicle [m]."""
-    stuck: bool = False
-    """Whether road users who stay where they are keep the ego from moving within ``room``."""
+    held: Held = FREE
+    """What keeps a slow ego where it is."""
     bound: bool = False
     """Whether the class's bounds for pedestrians shape the plan, which would differ without them."""
 
@@ -195,7 +192,7 @@ class SpeedPlanner:
         return self._judged(perception, task, best, waits_at)
 
     def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen, waits_at: float) -> Chosen:
-        """Return a choice with ``bound``, ``too_far`` and, for a slow ego, ``room`` and ``stuck`` set."""
+        """Return a choice with ``bound``, ``too_far`` and, for a slow ego, ``held`` set."""
         ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
         if len(conflicts):
             bounds = self._class_bounds(perception, task, conflicts)
@@ -205,18 +202,23 @@ class SpeedPlanner:
             upper = self._class_bounds(perception, task, conflicts).upper[behind]
             farthest = min(farthest, float(upper.min()))
             too_far = max(float((chosen.plan.position - upper).max()), 0.0)
-            # A plan may stay short of its bounds, and stands all the same before people who stay there.
-            if min(self._watch.waited.get(name, 0.0) for name in conflicts.names[:behind]) >= STOOD_LONG:
-                farthest = min(farthest, float(chosen.plan.position[-1]))
         if ego.speed >= SLOW:
             return replace(chosen, too_far=too_far) if too_far else chosen
+        return replace(chosen, too_far=too_far, held=self._held(perception, chosen, farthest, waits_at))
+
+    def _held(self, perception: Perception, chosen: Chosen, farthest: float, waits_at: float) -> Held:
+        """Return what keeps a slow ego where it is, given how far its bounds let it go [m]."""
+        front, conflicts, behind = perception.ego.body.front, chosen.conflicts, chosen.behind
+        names = conflicts.names[:behind]
+        # A plan may stay short of its bounds, and stands all the same before people who stay there.
+        if names and min(self._watch.waited.get(name, 0.0) for name in names) >= STOOD_LONG:
+            farthest = min(farthest, float(chosen.plan.position[-1]))
         # Who has stood before the waiting ego may wait for it to leave, on the crossing too.
         goes_on = (self.may_enter & ~self._expectation.lets_go)[conflicts.index[:behind]]
-        _, places, _ = passing_classes.stops(conflicts, behind, ego.body.front, self.settings.margin_along)
-        to_stop = waits_at - ego.body.front
-        room = min(to_stop, float(places[goes_on].min(initial=np.inf)) - ego.body.front)
-        stuck = farthest < STUCK_WITHIN < room
-        return replace(chosen, too_far=too_far, room=room, to_stop=to_stop, stuck=stuck)
+        _, places, _ = passing_classes.stops(conflicts, behind, front, self.settings.margin_along)
+        to_stop = waits_at - front
+        room = min(to_stop, float(places[goes_on].min(initial=np.inf)) - front)
+        return Held(farthest < STUCK_WITHIN < room, room, to_stop)
 
     def _solve_class(
         self,

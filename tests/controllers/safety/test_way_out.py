@@ -28,6 +28,7 @@ from controllers.safety.way_out import (
     PATIENCE,
     SPEED,
     TO_VEHICLES,
+    Held,
 )
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Car, Walker, bend, ego, keeps, perception, straight_road, zebra
@@ -188,7 +189,7 @@ def _held(
     for tick in range(int(10.0 * seconds)):
         state = ego(speed=0.0, time=0.1 * tick)
         seen: Perception = perception(state, straight_road(2), walkers, cars, crossings, signals)
-        plans.append(check.checked(seen, keeps(2.0), np.zeros(len(walkers), bool), None, stuck, room))
+        plans.append(check.checked(seen, keeps(2.0), np.zeros(len(walkers), bool), None, Held(stuck, room)))
     return plans
 
 
@@ -250,7 +251,7 @@ def test_who_was_held_once_and_then_let_go_waits_anew() -> None:
     for tick in range(int(10 * (10.0 + PATIENCE)) + 10):
         walkers = [AT_THE_CORNER] if tick == 0 or tick >= 100 else [Walker(BODY.front + 4.0, -4.0)]
         seen = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), walkers)
-        statuses.append(check.checked(seen, keeps(2.0), np.zeros(1, bool), None, False, 60.0).status)
+        statuses.append(check.checked(seen, keeps(2.0), np.zeros(1, bool), None, Held(False, 60.0)).status)
     assert statuses[0] == SHIELDED
     assert set(statuses[1:100]) == {"ok"}
     assert set(statuses[100 : 100 + int(10 * PATIENCE)]) == {SHIELDED}
@@ -264,7 +265,7 @@ def test_the_last_resort_counts_all_the_time_held_since_the_ego_was_under_way() 
         places = [(BODY.front + 4.0, -4.0)] if 100 <= tick < 120 else ROW
         seen = perception(ego(speed=0.0, time=0.1 * tick), straight_road(2), [Walker(*one) for one in places])
         held = len(places) > 1
-        statuses.append(check.checked(seen, keeps(2.0), np.zeros(len(places), bool), None, held).status)
+        statuses.append(check.checked(seen, keeps(2.0), np.zeros(len(places), bool), None, Held(held)).status)
     assert set(statuses[100:120]) == {"ok"}
     assert WAY_OUT not in statuses[: int(10 * LAST_RESORT) + 15]
     assert statuses[-1] == WAY_OUT
@@ -336,7 +337,7 @@ def test_people_who_lean_on_the_car_are_left_so_slowly_that_it_counts_as_standin
     for tick in range(80):
         state = ego(speed=speed, time=0.1 * tick, steering=steering)
         seen = perception(state, straight_road(2), people)
-        plan = check.checked(seen, keeps(2.0), np.full(len(people), False), None, True)
+        plan = check.checked(seen, keeps(2.0), np.full(len(people), False), None, Held(True))
         speed = max(speed + 0.1 * float(plan.command.acceleration[0]), 0.0)
         steering = float(plan.command.steering[0])
         assert speed < INCHING + 1e-6
@@ -359,7 +360,7 @@ def test_whoever_is_leant_on_inches_off_while_others_cross_well_ahead(
         state = ego(speed=0.0, time=0.1 * tick, steering=steering)
         seen = perception(state, straight_road(2), [leans, crosses])
         enters = np.array([False, True])
-        plan = check.checked(seen, keeps(0.0), enters, None, False, ahead, None, to_stop)
+        plan = check.checked(seen, keeps(0.0), enters, None, Held(False, ahead, to_stop))
         moves.append(plan.status == WAY_OUT and plan.command.acceleration[0] > 0.0)
         if plan.status == WAY_OUT:
             steering = float(plan.command.steering[0])
@@ -373,7 +374,7 @@ def test_on_the_way_people_beside_the_body_are_passed_slowly() -> None:
     check, speed, steering, fastest = LastCheck(), 0.0, 0.0, 0.0
     for tick in range(int(10 * PATIENCE) + 60):
         seen = perception(ego(speed=speed, time=0.1 * tick, steering=steering), straight_road(2), [beside])
-        plan = check.checked(seen, keeps(2.0), np.zeros(1, bool), None, True)
+        plan = check.checked(seen, keeps(2.0), np.zeros(1, bool), None, Held(True))
         if plan.status == WAY_OUT:
             speed = max(speed + 0.1 * float(plan.command.acceleration[0]), 0.0)
             steering = float(plan.command.steering[0])
