@@ -53,7 +53,7 @@ def test_who_comes_to_rest_beyond_the_place_waits_where_it_can_still_change() ->
     assert _place(0, speed=0.0, ends=front + 10.0) == front
     assert front < _place(0, speed=2.0, ends=front + 10.0) <= front + 2.0
     assert math.isinf(_place(0, speed=0.0, ends=front + 5.0))
-    on_one = (zebra(front - 2.0), zebra(front + 8.0))
+    on_one = tuple(zebra(front + far) for far in (-2.0, 8.0, 18.0))
     assert math.isinf(_place(0, speed=0.0, ends=front + 10.0, crossings=on_one))
 
 
