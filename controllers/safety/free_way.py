@@ -35,6 +35,8 @@ DRIFT = 0.03
 """When a way is driven, it may come nearer to obstacles than planned by this much, see ``drifted`` [m]."""
 CELL, CELL_TURNED = 0.2, 0.05
 """Size of the cells in which poses count as the same [m, rad]."""
+CELLS = 10_000
+"""No way has this many cells in one direction [-]."""
 OFF_LANE, TURNED, STEERED = 1.0, 2.0, 0.1
 """Costs of a metre driven 1 m beside the centre line, of a metre at 1 rad to it, and of 1 rad of steering."""
 CROWDED, CROWD = 0.4, 2.0
@@ -219,11 +221,13 @@ def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) 
     y = at.y[before] + length * np.sin(middle)
     heading = at.heading[before] + length * bend
     away = _away(ego, x, y, heading, space.obstacles)
-    rear, front, turned = _aside(ego, line, x, y, heading)
-    free = (away >= 0.0) & (rear <= space.rear) & (front <= space.front)
-    cost = cost + length * (OFF_LANE * rear**2 + TURNED * turned**2)
+    free = np.flatnonzero(away >= 0.0)
+    poses, away = _Poses(x, y, heading, steering, cost, before).only(free), away[free]
+    rear, front, turned = _aside(ego, line, poses.x, poses.y, poses.heading)
+    cost = poses.cost + length * (OFF_LANE * rear**2 + TURNED * turned**2)
     cost = cost + length * CROWD * np.maximum(1.0 - away / CROWDED, 0.0)
-    return _Poses(x, y, heading, steering, cost, before).only(np.flatnonzero(free))
+    inside = np.flatnonzero((rear <= space.rear) & (front <= space.front))
+    return poses._replace(cost=cost).only(inside)
 
 
 def _away(
@@ -242,14 +246,10 @@ def _away(
 def _cheapest_of_cells(poses: _Poses) -> _Poses:
     """Return the cheapest pose of each cell, at most ``KEPT`` of them."""
     order = np.argsort(poses.cost, kind="stable")
-    cells = np.stack(
-        (
-            np.round(poses.x[order] / CELL),
-            np.round(poses.y[order] / CELL),
-            np.round(poses.heading[order] / CELL_TURNED),
-        )
-    )
-    _, first = np.unique(cells, axis=1, return_index=True)
+    cells = np.zeros(len(order), np.int64)  # a number for each cell, faster to sort than three
+    for values, size in ((poses.x, CELL), (poses.y, CELL), (poses.heading, CELL_TURNED)):
+        cells = cells * CELLS + np.round(values[order] / size).astype(np.int64)
+    _, first = np.unique(cells, return_index=True)
     chosen = order[np.sort(first)[:KEPT]]
     return poses.only(chosen)
 
@@ -271,8 +271,10 @@ def _aside(
 
 
 def _beside(line: _Line, x: FloatArray, y: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
-    dx, dy = x[:, None] - line.x, y[:, None] - line.y
-    at = np.argmin(dx**2 + dy**2, axis=1)
-    each = np.arange(len(x))
-    beside = np.cos(line.heading[at]) * dy[each, at] - np.sin(line.heading[at]) * dx[each, at]
+    distance, across = x[:, None] - line.x, y[:, None] - line.y
+    distance *= distance
+    across *= across
+    distance += across
+    at = np.argmin(distance, axis=1)
+    beside = np.cos(line.heading[at]) * (y - line.y[at]) - np.sin(line.heading[at]) * (x - line.x[at])
     return np.abs(beside), at
