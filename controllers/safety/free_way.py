@@ -271,10 +271,8 @@ def _aside(
 
 
 def _beside(line: _Line, x: FloatArray, y: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
-    distance, across = x[:, None] - line.x, y[:, None] - line.y
-    distance *= distance
-    across *= across
-    distance += across
-    at = np.argmin(distance, axis=1)
+    squared = np.square(x[:, None] - line.x)
+    squared += np.square(y[:, None] - line.y)
+    at = np.argmin(squared, axis=1)
     beside = np.cos(line.heading[at]) * (y - line.y[at]) - np.sin(line.heading[at]) * (x - line.x[at])
     return np.abs(beside), at

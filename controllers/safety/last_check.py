@@ -44,7 +44,7 @@ from controllers.safety.vehicle_boxes import (
     outside_the_bend,
     standing_vehicles,
 )
-from controllers.safety.way_out import A_CYCLE, FREE, NEARER, PATIENCE, Held, WayOut, leans
+from controllers.safety.way_out import A_CYCLE, FREE, NEARER, PATIENCE, Reach, WayOut, leans
 
 SHIELDED, WAY_OUT = "shielded", "way_out"
 """Status of a plan that was replaced by braking, and of one replaced by a way out at walking pace."""
@@ -86,7 +86,7 @@ class LastCheck:
         plan: Plan,
         may_enter: NDArray[np.bool_],
         forecast: Forecast | None = None,
-        told: Held = FREE,
+        reach: Reach = FREE,
         comes: FloatArray | None = None,
     ) -> Plan:
         """Return the plan, or a replacement if it would touch somebody.
@@ -101,7 +101,7 @@ class LastCheck:
             Which pedestrians walk on; the others come to a stop, shape (n,).
         forecast
             Where those who walk on are going; ``None``: they keep their velocities.
-        told
+        reach
             How far the ego may go according to its plan.
         comes
             Speed across of those who walk to a waiting place in the lane, or will walk on across a crossing,
@@ -128,11 +128,11 @@ class LastCheck:
         if not starts:
             self._out.reset()
         else:
-            held = touched or told.stuck or leans(clearance[0, 0, : len(near)])
+            held = touched or reach.stuck or leans(clearance[0, 0, : len(near)])
             # Pedestrians for whom it would wait, had it not waited so long, still keep it from starting.
             near_it = held or (waited > PATIENCE and _keeps(clearance, motion, walk))
             patience = _patience(at_lights, clearance[0, 0, : len(near)])
-            out = self._out.command(perception, people, walk, times, told, held, near_it, patience)
+            out = self._out.command(perception, people, walk, times, reach, held, near_it, patience)
             if out is not None:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:

@@ -65,7 +65,7 @@ CHECKED, CHECKED_WALKERS = 8, 20
 those who walk [-]."""
 
 
-class Held(NamedTuple):
+class Reach(NamedTuple):
     """What the plan of a slow ego says of how far it may go."""
 
     stuck: bool = False
@@ -76,7 +76,7 @@ class Held(NamedTuple):
     """The same, until it waits for a light or for a vehicle [m]."""
 
 
-FREE = Held()
+FREE = Reach()
 """Nothing keeps the ego where it is."""
 
 
@@ -130,7 +130,7 @@ class WayOut:
         people: Discs,
         walks: NDArray[np.bool_],
         times: FloatArray,
-        told: Held,
+        reach: Reach,
         held: bool,
         somebody_near: bool,
         patience: float = PATIENCE,
@@ -147,7 +147,7 @@ class WayOut:
             Which of them walk, shape (n,).
         times
             Instants of ``people``, from now, shape (K,) [s].
-        told
+        reach
             How far the ego may go according to its plan.
         held
             Whether somebody keeps the ego from following its plan.
@@ -181,7 +181,7 @@ class WayOut:
         to_walkers = -np.inf if leant_on else TO_WALKERS
         wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
         under = now < -people.radius[:, 0]
-        farthest = told.to_stop if leant_on else told.room
+        farthest = reach.to_stop if leant_on else reach.room
         self._look(perception, people, wide, kept, farthest, leant_on, under)
         self.taken = self._way is not None
         if self._way is None:

@@ -170,7 +170,7 @@ class VelocityObstacleMpc:
         seen = self._seen(perception)
         planner = self._planner(seen)
         checked = self._last_check.checked(
-            seen, plan, planner.may_enter, planner.forecast, chosen.held, planner.comes
+            seen, plan, planner.may_enter, planner.forecast, chosen.reach, planner.comes
         )
         return replace(checked, own=_own(plan, checked, chosen))
 

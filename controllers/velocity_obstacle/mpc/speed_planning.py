@@ -17,7 +17,7 @@ from controllers.driving.right_of_way import RightOfWay
 from controllers.interface import Lane, Perception
 from controllers.optimisation.solve import Memory
 from controllers.prediction.forecast import Forecast, Predictor
-from controllers.safety.way_out import FREE, Held
+from controllers.safety.way_out import FREE, Reach
 from controllers.velocity_obstacle.mpc import passing_classes
 from controllers.velocity_obstacle.mpc.arithmetic import passing_bounds, position_bounds
 from controllers.velocity_obstacle.mpc.lateral import SteeringPlan
@@ -61,8 +61,8 @@ class Chosen:
     """Steering plan, if speed and steering were planned together."""
     too_far: float = 0.0
     """How far the plan goes beyond the point where people let go first should stop it [m]."""
-    held: Held = FREE
-    """What keeps a slow ego where it is."""
+    reach: Reach = FREE
+    """How far a slow ego may go, and whether it is stuck."""
     bound: bool = False
     """Whether the class's bounds for pedestrians shape the plan, which would differ without them."""
 
@@ -192,7 +192,7 @@ class SpeedPlanner:
         return self._judged(perception, task, best, waits_at)
 
     def _judged(self, perception: Perception, task: SpeedTask, chosen: Chosen, waits_at: float) -> Chosen:
-        """Return a choice with ``bound``, ``too_far`` and, for a slow ego, ``held`` set."""
+        """Return a choice with ``bound``, ``too_far`` and, for a slow ego, ``reach`` set."""
         ego, conflicts, behind = perception.ego, chosen.conflicts, chosen.behind
         if len(conflicts):
             bounds = self._class_bounds(perception, task, conflicts)
@@ -204,10 +204,10 @@ class SpeedPlanner:
             too_far = max(float((chosen.plan.position - upper).max()), 0.0)
         if ego.speed >= SLOW:
             return replace(chosen, too_far=too_far) if too_far else chosen
-        return replace(chosen, too_far=too_far, held=self._held(perception, chosen, farthest, waits_at))
+        return replace(chosen, too_far=too_far, reach=self._reach(perception, chosen, farthest, waits_at))
 
-    def _held(self, perception: Perception, chosen: Chosen, farthest: float, waits_at: float) -> Held:
-        """Return what keeps a slow ego where it is, given how far its bounds let it go [m]."""
+    def _reach(self, perception: Perception, chosen: Chosen, farthest: float, waits_at: float) -> Reach:
+        """Return how far a slow ego may go, given how far its bounds let it [m]."""
         front, conflicts, behind = perception.ego.body.front, chosen.conflicts, chosen.behind
         names = conflicts.names[:behind]
         # A plan may stay short of its bounds, and stands all the same before people who stay there.
@@ -218,7 +218,7 @@ class SpeedPlanner:
         _, places, _ = passing_classes.stops(conflicts, behind, front, self.settings.margin_along)
         to_stop = waits_at - front
         room = min(to_stop, float(places[goes_on].min(initial=np.inf)) - front)
-        return Held(farthest < STUCK_WITHIN < room, room, to_stop)
+        return Reach(farthest < STUCK_WITHIN < room, room, to_stop)
 
     def _solve_class(
         self,
