@@ -14,6 +14,8 @@ STANDS_FOR = 1.0
 """An ego that would stand on a crossing for longer than this stops before it [s]."""
 KEEP_CLEAR_BRAKING = 2.5
 """The ego keeps a crossing clear if braking no harder than this is enough [m/s^2]."""
+AT_THE_LINE = 0.5
+"""An ego that stops this far beyond the stop line has still stopped at it [m]."""
 BEGUN = 4.0
 """Once it brakes for that, it goes on if this is enough: a smooth plan brakes less at first [m/s^2]."""
 
@@ -40,9 +42,10 @@ def keep_clear_line(
         Names of the crossings that the ego brakes for already.
     """
     speed = max(perception.ego.speed, 3.0)
-    for crossing, room, beyond in _avoidable(perception, begun):
-        if np.interp(max(room, 0.0) / speed, times, leader_rest) - gap < beyond:
-            return crossing.stop_line, crossing.name
+    for crossing, line, beyond in _avoidable(perception, begun):
+        room = max(line - perception.ego.body.front, 0.0)
+        if np.interp(room / speed, times, leader_rest) - gap < beyond:
+            return line, crossing.name
     return float("inf"), ""
 
 
@@ -63,11 +66,11 @@ def keep_clear_of_people(
     """
     body, speed = perception.ego.body, max(perception.ego.speed, 3.0)
     beside = _waits_for_others(perception)[who]
-    for crossing, _, beyond in _avoidable(perception, ()):
+    for crossing, line, beyond in _avoidable(perception, ()):
         there = (beyond - body.front) / speed
         in_the_way = (along > crossing.exit) | (beside & (places > crossing.entry))
         if (in_the_way & (places < beyond) & (until > there + STANDS_FOR)).any():
-            return crossing.stop_line
+            return line
     return float("inf")
 
 
@@ -82,17 +85,18 @@ def _waits_for_others(perception: Perception) -> NDArray[np.bool_]:
 
 
 def _avoidable(perception: Perception, begun: Container[str]) -> Iterator[tuple[Crossing, float, float]]:
-    """Yield the crossings that the ego can stop before, with two lengths [m].
+    """Yield the crossings that the ego can stop before, with two places [m].
 
-    These are the distance to the stop line, and the place from which on the front bumper leaves room for the
-    whole body beyond the crossing.
+    These are where the front bumper stops, which is the stop line, or for an ego that is past it the crossing
+    itself; and from where on it leaves room for the whole body beyond the crossing.
     """
     ego, body = perception.ego, perception.ego.body
     for crossing in perception.road.crossings:
-        on_it = body.front > crossing.entry
-        if on_it or crossing.stop_line < body.front - 0.5:
+        if body.front > crossing.entry:
             continue
-        room = crossing.stop_line - body.front
+        past = crossing.stop_line < body.front - AT_THE_LINE
+        line = crossing.entry if past else crossing.stop_line
+        room = line - body.front if past else max(line - body.front, 0.0) + AT_THE_LINE
         braking = BEGUN if crossing.name in begun else KEEP_CLEAR_BRAKING
-        if ego.speed**2 / (2.0 * braking) + 0.3 * ego.speed <= max(room, 0.0) + 0.5:
-            yield crossing, room, crossing.exit + body.length + 0.5
+        if ego.speed**2 / (2.0 * braking) + 0.3 * ego.speed <= room:
+            yield crossing, line, crossing.exit + body.length + 0.5

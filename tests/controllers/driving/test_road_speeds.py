@@ -88,6 +88,14 @@ def test_what_counts_is_where_the_leader_could_stop_when_the_ego_arrives() -> No
     assert keep_clear_line(scene, TIMES, 96.0 - leaving, 2.5) == (29.0, "zebra")
 
 
+def test_an_ego_past_the_stop_line_stops_before_the_crossing_itself() -> None:
+    """It rolled onto the crossing, 1 m behind the line, up to whoever stood beyond."""
+    ahead = zebra(FRONT + 0.6)
+    for speed, line in ((0.0, ahead.entry), (0.8, ahead.entry), (3.0, np.inf)):
+        scene = perception(ego(speed=speed), crossings=[replace(ahead, stop_line=FRONT - 0.7)])
+        assert _line(scene, FRONT + 6.0)[0] == line
+
+
 def test_a_crossing_the_ego_is_on_or_cannot_stop_before_is_not_stopped_at() -> None:
     assert _line(perception(ego(speed=8.0), crossings=[zebra(2.0)]), 10.0) == (np.inf, "")
     assert _line(perception(ego(speed=14.0), crossings=[zebra(20.0)]), 25.0) == (np.inf, "")
