@@ -54,6 +54,8 @@ SOUGHT_EVERY = 0.5
 """Least time between two searches for a way [s]."""
 BEGINNING = 1.0
 """At the beginning of a way, up to this far, the ego is still in its lane, not back in it [m]."""
+BESIDE = 1.0
+"""A way is driven on while people stand nearer than this to the car [m]."""
 AHEAD = 0.1
 """The wheels take the angle that the way demands this far ahead [m]."""
 IN_LANE, ALONG_LANE = 0.4, 0.15
@@ -74,6 +76,8 @@ class Reach(NamedTuple):
     """How far the front bumper may go until it waits for a light or for a road user who will go on [m]."""
     to_stop: float = np.inf
     """The same, until it waits for a light or for a vehicle [m]."""
+    to_people: float = np.inf
+    """How far it may go for the people who are let pass first [m]."""
 
 
 FREE = Reach()
@@ -167,7 +171,8 @@ class WayOut:
         self._last = ego.time
         # While somebody still keeps the ego from starting, a plan that seems free only creeps up to them.
         begins = self.held_since is not None and self._driven < BEGINNING
-        if not held and not (self.taken and (begins or not in_lane)):
+        on_the_way = begins or not in_lane or self._leads_past(perception, people, walks, reach)
+        if not held and not (self.taken and on_the_way):
             self.taken, self._way = False, None
             return None
         if self.held_since is None:
@@ -190,6 +195,20 @@ class WayOut:
         kept = self._counted(np.where(walks & leant_on, TO_WALKERS_INCHING, kept), under)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
+
+    def _leads_past(
+        self, perception: Perception, people: Discs, walks: NDArray[np.bool_], reach: Reach
+    ) -> bool:
+        """Return whether the present way leads farther than a plan that seems free.
+
+        Such a plan may end before the way does, often on a crossing over which the way leads. It looks only
+        some seconds ahead, and may turn back to the lane through those who stand beside the ego.
+        """
+        left = 0.0 if self._way is None else len(self._way) * free_way.ARC - self._driven
+        if left <= 0.0:
+            return False
+        beside = self._driven > AHEAD and (_distances(perception, people)[~walks] < BESIDE).any()
+        return reach.to_people < left or bool(beside)
 
     def _look(
         self,

@@ -197,17 +197,22 @@ class SpeedPlanner:
         if len(conflicts):
             bounds = self._class_bounds(perception, task, conflicts)
             chosen = replace(chosen, bound=_reaches(bounds, behind, chosen.plan, self.program.limits))
-        farthest, too_far = float(min(task.upper.min(), task.headway.min())), 0.0
+        to_people, too_far = np.inf, 0.0
         if behind:
             upper = self._class_bounds(perception, task, conflicts).upper[behind]
-            farthest = min(farthest, float(upper.min()))
+            to_people = float(upper.min())
             too_far = max(float((chosen.plan.position - upper).max()), 0.0)
         if ego.speed >= SLOW:
             return replace(chosen, too_far=too_far) if too_far else chosen
-        return replace(chosen, too_far=too_far, reach=self._reach(perception, chosen, farthest, waits_at))
+        to_others = float(min(task.upper.min(), task.headway.min()))
+        reach = self._reach(perception, chosen, to_people, to_others, waits_at)
+        return replace(chosen, too_far=too_far, reach=reach)
 
-    def _reach(self, perception: Perception, chosen: Chosen, farthest: float, waits_at: float) -> Reach:
-        """Return how far a slow ego may go, given how far its bounds let it [m]."""
+    def _reach(
+        self, perception: Perception, chosen: Chosen, to_people: float, to_others: float, waits_at: float
+    ) -> Reach:
+        """Return how far a slow ego may go, given how far people and its other bounds let it [m]."""
+        farthest = min(to_people, to_others)
         front, conflicts, behind = perception.ego.body.front, chosen.conflicts, chosen.behind
         names = conflicts.names[:behind]
         # A plan may stay short of its bounds, and stands all the same before people who stay there.
@@ -218,7 +223,7 @@ class SpeedPlanner:
         _, places, _ = passing_classes.stops(conflicts, behind, front, self.settings.margin_along)
         to_stop = waits_at - front
         room = min(to_stop, float(places[goes_on].min(initial=np.inf)) - front)
-        return Reach(farthest < STUCK_WITHIN < room, room, to_stop)
+        return Reach(farthest < STUCK_WITHIN < room, room, to_stop, to_people)
 
     def _solve_class(
         self,

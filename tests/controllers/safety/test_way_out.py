@@ -140,6 +140,29 @@ def test_a_way_is_not_given_up_at_its_beginning_because_the_plan_seems_free_for_
     assert statuses[-1] == "ok"
 
 
+@pytest.mark.parametrize(("to_people", "status"), [(2.0, WAY_OUT), (np.inf, "ok")])
+def test_a_way_is_driven_to_its_end_if_the_plan_would_end_before(to_people: float, status: str) -> None:
+    """Back in its lane, the ego drove up to the people whom the way leads past, and stood on the crossing."""
+    check, beyond = LastCheck(), Walker(BODY.front + 5.0, -1.5)
+    for tick in range(int(10 * PATIENCE) + 40):
+        taken = tick > 10 * PATIENCE + 5
+        seen = perception(ego(speed=0.7 * taken, time=0.1 * tick), straight_road(2), [beyond])
+        held = Reach(to_people=to_people) if taken else Reach(stuck=True)
+        plan = check.checked(seen, keeps(0.7), np.zeros(1, bool), None, held)
+    assert plan.status == status
+
+
+@pytest.mark.parametrize(("apart", "status"), [(0.6, WAY_OUT), (1.2, "ok")])
+def test_a_way_is_driven_until_nobody_stands_beside_the_ego(apart: float, status: str) -> None:
+    """A plan that touched nobody for some seconds then turned back to the lane through those beside it."""
+    check, beside = LastCheck(), Walker(1.5, -0.5 * BODY.width - 0.25 - apart)
+    for tick in range(int(10 * PATIENCE) + 40):
+        taken = tick > 10 * PATIENCE + 5
+        seen = perception(ego(speed=0.7 * taken, time=0.1 * tick), straight_road(2), [beside])
+        plan = check.checked(seen, keeps(0.7), np.zeros(1, bool), None, Reach(stuck=not taken))
+    assert plan.status == status
+
+
 def test_who_waits_for_a_light_or_a_leader_takes_none() -> None:
     assert _held([AT_THE_CORNER], PATIENCE + 1.0, room=3.0)[-1].status == SHIELDED
 
