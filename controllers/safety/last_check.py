@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
-from controllers.driving.standing import STANDING, walking
+from controllers.driving.standing import STANDING, WALKING, walking
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.interface import Command, Perception, Plan
@@ -188,9 +188,11 @@ def _people(
     starts: bool,
 ) -> Discs:
     """Return where those who are near will be; parameters as for `LastCheck.checked`."""
-    walk_on = max(WALK_ON, perception.ego.plan_interval + LAG)
+    told, walk_on = perception.pedestrians, max(WALK_ON, perception.ego.plan_interval + LAG)
+    if comes is not None:  # whoever still walks the other way has to turn first
+        comes = np.where(np.sign(comes) * told.across_speed < -WALKING, np.nan, comes)
     if comes is not None and not starts:  # the plan then takes care of those who stand on a crossing
-        comes = np.where(perception.pedestrians.waiting, comes, np.nan)
+        comes = np.where(told.waiting, comes, np.nan)
     return discs(perception, near, may_enter, forecast, times, walk_on, comes)
 
 

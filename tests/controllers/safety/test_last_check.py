@@ -186,6 +186,17 @@ def test_somebody_who_walks_to_a_waiting_place_in_the_lane_is_braked_for_before_
     assert check.checked(seen, keeps(3.0), np.array([True]), comes=comes).status == SHIELDED
 
 
+@pytest.mark.parametrize(("across_speed", "status"), [(-0.3, SHIELDED), (0.3, "ok")])
+def test_somebody_who_still_walks_away_from_their_waiting_place_has_to_turn_first(
+    across_speed: float, status: str
+) -> None:
+    """They were taken to walk straight to it, and walked into the flank of an ego that rolled past."""
+    beside = Walker(1.0, 0.5 * BODY.width + 0.25 + 0.26, -0.2, across_speed, 0, waiting=True)
+    seen = perception(ego(speed=0.4), straight_road(), [beside], crossings=[zebra(6.0)])
+    checked = LastCheck().checked(seen, keeps(0.4), np.full(1, True), comes=np.array([1.2]))
+    assert checked.status == status
+
+
 def test_somebody_who_stands_on_a_crossing_and_will_walk_on_keeps_an_ego_from_starting() -> None:
     beside = Walker(1.0, -1.8, 0.0, 0.0, crossing=0, on_crossing=True)
     seen = perception(ego(speed=0.0), straight_road(), [beside], crossings=[zebra(-1.0)])
