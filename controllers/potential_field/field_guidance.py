@@ -7,6 +7,7 @@ bicycle model, the law also says where the car would really go, for several fiel
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,8 @@ from controllers.potential_field.field import Field
 
 TURNED_OVER = 0.5
 """Distance over which the turning of the direction of descent is measured [m]."""
+_BEGIN_AND_END = np.array([[0.0], [TURNED_OVER]])
+"""The two ends of that distance [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +85,15 @@ def drive(
     across[0], heading[0] = ego.across, ego.heading_error
     realised = np.full(count, ego.steering)
     limits, wheelbase = ego.drive, ego.body.wheelbase
+    bend_at = _bend_of(road)
     for k in range(instants - 1):
         now, speed = k * step, 0.5 * float(speeds[k] + speeds[k + 1])
         x, y, psi = along[k], across[k], heading[k]
-        bend = _bend(road, x)
+        bend = bend_at(x)
         stretch = np.maximum(1.0 - bend * y, 0.2)
         angle[k] = _angle(shape, (x, y, psi), realised, bend / stretch, speed, now, ego, guidance)
         rate = (angle[k] - realised) / max(limits.steering_lag, step)
-        turned = realised + step * np.clip(rate, -limits.max_steering_rate, limits.max_steering_rate)
+        turned = realised + step * _within(rate, limits.max_steering_rate)
         onward = speed * np.cos(psi) / stretch
         turn = speed * np.tan(0.5 * (realised + turned)) / wheelbase - bend * onward
         along[k + 1] = x + step * onward
@@ -114,24 +118,30 @@ def _angle(
     wheelbase = ego.body.wheelbase
     early = speed * guidance.preview
     psi = psi + early * (np.tan(realised) / wheelbase - bend)
-    x, y = x + early * np.cos(psi), y + early * np.sin(psi)
-    further = TURNED_OVER * np.array([[0.0], [1.0]])
-    later = np.array([[0.0], [TURNED_OVER / max(speed, 1.0)]])
+    cosine, sine = np.cos(psi), np.sin(psi)
+    x, y = x + early * cosine, y + early * sine
+    later = _BEGIN_AND_END / max(speed, 1.0)
     wanted = shape.heading(
-        x + further * np.cos(psi), y + further * np.sin(psi), now + guidance.preview + later
+        x + _BEGIN_AND_END * cosine, y + _BEGIN_AND_END * sine, now + guidance.preview + later
     )
     steepest = min(guidance.steepest, guidance.lateral_speed / max(speed, 0.1))
-    wanted = np.clip(wanted, -steepest, steepest)
+    begin, end = _within(wanted, steepest)
     settling = max(guidance.heading_length, speed * guidance.heading_time)
-    curvature = bend * np.cos(psi) + (wanted[1] - wanted[0]) / TURNED_OVER + (wanted[0] - psi) / settling
+    curvature = bend * cosine + (end - begin) / TURNED_OVER + (begin - psi) / settling
     strongest = guidance.lateral_acceleration / max(speed * speed, 1.0)
-    wheel = np.arctan(wheelbase * np.clip(curvature, -strongest, strongest))
-    return np.asarray(np.clip(wheel, -ego.drive.max_steering, ego.drive.max_steering))
+    wheel = np.arctan(wheelbase * _within(curvature, strongest))
+    return _within(wheel, ego.drive.max_steering)
 
 
-def _bend(road: RoadAhead, along: FloatArray) -> FloatArray:
-    """Return the curvature of the reference lane; 0 beyond the view [1/m]."""
-    if len(road.curvature) == 0 or road.curvature_step <= 0.0:
-        return np.zeros_like(along)
-    places = np.arange(len(road.curvature)) * road.curvature_step
-    return np.interp(along, places, road.curvature, right=0.0)
+def _within(values: FloatArray, bound: float) -> FloatArray:
+    """Return values within ± a bound, for these small arrays in half the time of ``np.clip``."""
+    return np.minimum(np.maximum(values, -bound), bound)
+
+
+def _bend_of(road: RoadAhead) -> Callable[[FloatArray], FloatArray]:
+    """Return the curvature of the reference lane over the way along it; 0 beyond the view [1/m]."""
+    bends = road.curvature
+    if road.curvature_step <= 0.0 or not bends.any():
+        return np.zeros_like
+    places = np.arange(len(bends)) * road.curvature_step
+    return lambda along: np.interp(along, places, bends, right=0.0)
