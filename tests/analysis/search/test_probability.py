@@ -67,8 +67,10 @@ def test_importance_sampling_needs_less_than_a_hundredth_of_the_runs_of_crude_sa
 
 @pytest.mark.parametrize("method", ["subset", "importance"])
 def test_intervals_hold_what_has_two_regions(method: str) -> None:
+    distance = -norm.ppf(0.5e-5)
+
     def far_on_either_side(inputs: FloatArray) -> FloatArray:
-        return np.asarray(-norm.ppf(0.5e-5) - np.abs(inputs[:, 0]))
+        return np.asarray(distance - np.abs(inputs[:, 0]))
 
     found = [
         estimate(method, far_on_either_side, DIMENSION, variation=0.3, most=30000, seed=10**6 + 1000 * seed)

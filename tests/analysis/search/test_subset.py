@@ -14,11 +14,12 @@ from analysis.search.subset import subset_simulation
 
 def mean_of_many(shape: str, probability: float, count: int) -> tuple[float, float]:
     """Return the mean of many estimates and its standard deviation, as shares of the probability."""
+    distance, each = (-norm.ppf(one) for one in (probability, 0.5 * probability))
 
     def margin(inputs: FloatArray) -> FloatArray:
         if shape == "one region":
-            return np.asarray(-norm.ppf(probability) - inputs.sum(axis=1) / math.sqrt(inputs.shape[1]))
-        return np.asarray(-norm.ppf(0.5 * probability) - np.abs(inputs[:, 0]))
+            return np.asarray(distance - inputs.sum(axis=1) / math.sqrt(inputs.shape[1]))
+        return np.asarray(each - np.abs(inputs[:, 0]))
 
     ones = [subset_simulation(margin, 6, level=400, share=0.1, seed=seed) for seed in range(count)]
     return float(np.mean(ones)) / probability, float(np.std(ones)) / probability / math.sqrt(count)
