@@ -76,9 +76,11 @@ def test_few_walks_are_drawn_to_the_mean_and_many_are_believed() -> None:
     assert many == pytest.approx(1.0, abs=0.01)
 
 
-def test_ten_thousand_crossings_are_ranked_and_few_of_them_called_worse_for_nothing() -> None:
+@pytest.mark.parametrize("count", [2_000, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_thousands_of_crossings_are_ranked_and_few_of_them_called_worse_for_nothing(count: int) -> None:
+    """Two thousand are more than one block of percentiles and more than one of resamples."""
     rng = np.random.default_rng(1)
-    walks = rng.poisson(40, (10_000, 5)).astype(np.float64)
+    walks = rng.poisson(40, (count, 5)).astype(np.float64)
     ranking = ranked(rng.poisson(0.2 * walks).astype(np.float64), walks, 30.0)
     assert np.isfinite(ranking.rank).all()
     assert (ranking.rank_low <= ranking.rank_high).all()

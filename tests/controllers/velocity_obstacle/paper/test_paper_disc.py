@@ -20,6 +20,8 @@ LONG, FINE = "steps of a second", "steps of a quarter of a second"
 PARAMETERS = {LONG: {}, FINE: {"euler_step_s": 0.25, "euler_steps": 44, "replan_s": 0.25}}
 ADULT, RUNNER = (5.0 / 3.6, 4.0), (8.0 / 3.6, 6.0)
 """Speed [m/s], and distance of the start from the middle of the lane [m]."""
+RUNNER_TOO = pytest.param(RUNNER, marks=pytest.mark.slow)
+"""Where the drive is planned in fine steps: it takes seconds, and the adult's is another of the same kind."""
 
 
 @cache
@@ -47,8 +49,10 @@ def _gaps(record: Ride) -> tuple[FloatArray, FloatArray]:
     return np.hypot(*from_centre.T), np.hypot(*beside.T) - RADIUS
 
 
-@pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
-@pytest.mark.parametrize("steps", [LONG, FINE])
+@pytest.mark.parametrize(
+    ("pedestrian", "steps"),
+    [(ADULT, LONG), (RUNNER, LONG), (ADULT, FINE), pytest.param(RUNNER, FINE, marks=pytest.mark.slow)],
+)
 def test_a_car_touches_somebody_before_they_are_in_the_papers_disc(
     pedestrian: tuple[float, float], steps: str
 ) -> None:
@@ -61,14 +65,14 @@ def test_a_car_touches_somebody_before_they_are_in_the_papers_disc(
     assert all(plan.solved for plan in record.plans)
 
 
-@pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
+@pytest.mark.parametrize("pedestrian", [ADULT, RUNNER_TOO])
 def test_a_disc_that_holds_the_car_keeps_it_off_them(pedestrian: tuple[float, float]) -> None:
     record = _crossing(pedestrian, FINE, disc=2.75)
     assert record.clearance() > 0.1
     assert record.track[2][-1] > 0.9 * SPEED
 
 
-@pytest.mark.parametrize("pedestrian", [ADULT, RUNNER])
+@pytest.mark.parametrize("pedestrian", [ADULT, RUNNER_TOO])
 def test_in_steps_of_a_second_it_comes_up_to_half_a_metre_nearer_than_planned(
     pedestrian: tuple[float, float],
 ) -> None:
