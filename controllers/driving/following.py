@@ -72,9 +72,10 @@ class Following:
             *standing_places(perception, target_lane, stops, style),
         ]
         places, speeds, names = speed_targets(perception.road, ego.body.front, style)
-        places = np.append(places, [max(one.gap, 0.0) for one in passed])
-        speeds = np.append(speeds, [style.passing_speed] * len(passed))
-        names = (*names, *(one.name for one in passed))
+        if passed:
+            places = np.append(places, [max(one.gap, 0.0) for one in passed])
+            speeds = np.append(speeds, [style.passing_speed] * len(passed))
+            names = (*names, *(one.name for one in passed))
         free = limit_now(perception.road, ego.body.front) if free_speed is None else free_speed
         result = np.zeros(len(times))
         speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0
@@ -143,9 +144,11 @@ def speed_targets(
     front : distance from the rear axle to the front bumper [m]
     style : gives the lateral acceleration
     """
-    limit_places = np.maximum(road.limit_along - front, 0.0)[road.limit_along > front]
-    limits = road.limit[road.limit_along > front]
-    bent = np.flatnonzero(np.abs(road.curvature) > 1e-4)
+    ahead = road.limit_along > front
+    limit_places, limits = np.maximum(road.limit_along - front, 0.0)[ahead], road.limit[ahead]
+    bent = (np.abs(road.curvature) > 1e-4).nonzero()[0]
+    if not len(bent):
+        return limit_places, limits, (SPEED_LIMIT,) * len(limits)
     bend_speeds = np.sqrt(style.lateral_acceleration / np.abs(road.curvature[bent]))
     return (
         np.concatenate([limit_places, bent * road.curvature_step]),
@@ -156,7 +159,7 @@ def speed_targets(
 
 def limit_now(road: RoadAhead, front: float) -> float:
     """Return the speed limit at the front bumper [m/s]."""
-    passed = np.flatnonzero(road.limit_along <= front)
+    passed = (road.limit_along <= front).nonzero()[0]
     if len(passed):
         return float(road.limit[passed[-1]])
     return float(road.limit[0]) if len(road.limit) else math.inf
@@ -179,7 +182,7 @@ def _desired(
         asked = free - style.acceleration * (wanted / max(leader.gap, 0.1)) ** 2
         if asked < best:
             best, because = asked, leader.name
-    ahead = np.flatnonzero(places > -0.5)
+    ahead = (places > -0.5).nonzero()[0]
     if len(ahead):
         allowed = np.sqrt(speeds[ahead] ** 2 + 2.0 * style.deceleration * np.maximum(places[ahead], 0.0))
         tightest = int(np.argmin(allowed))

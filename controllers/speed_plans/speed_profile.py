@@ -67,24 +67,26 @@ class SpeedProfile:
         >>> SpeedProfile(2.0, (Segment(4.0, -0.5),)).at(2.0)
         (3.0, 1.0, -0.5)
         """
-        time = max(time, 0.0)
-        distance, speed = 0.0, self.speed
-        for one in self.segments:
-            if time < one.duration:
-                moved = _distance(speed, one, time)
-                return (
-                    distance + moved,
-                    max(_speed(speed, one, time), 0.0),
-                    one.acceleration + one.jerk * time,
-                )
-            distance += _distance(speed, one, one.duration)
-            speed = max(_speed(speed, one, one.duration), 0.0)
-            time -= one.duration
-        return distance + speed * time, speed, 0.0
+        return self._after(time, self.knots())
 
     def sampled(self, times: Iterable[float]) -> FloatArray:
         """Return distance, speed and acceleration at many times, shape (3, N)."""
-        return np.array([self.at(float(time)) for time in times], dtype=np.float64).reshape(-1, 3).T
+        knots = self.knots()
+        return np.array([self._after(float(time), knots) for time in times]).reshape(-1, 3).T
+
+    def _after(self, time: float, knots: list[tuple[float, float, float]]) -> tuple[float, float, float]:
+        """Return what ``at`` does, from the knots of the profile."""
+        time = max(time, 0.0)
+        for one, (_, distance, speed) in zip(self.segments, knots, strict=False):
+            if time < one.duration:
+                return (
+                    distance + _distance(speed, one, time),
+                    max(_speed(speed, one, time), 0.0),
+                    one.acceleration + one.jerk * time,
+                )
+            time -= one.duration
+        _, distance, speed = knots[-1]
+        return distance + speed * time, speed, 0.0
 
     def breaks(self, begin: float) -> list[float]:
         """Return when pieces end after ``begin``, relative to it [s]."""

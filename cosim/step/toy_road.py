@@ -134,15 +134,14 @@ class ToyRoad:
 def gaps_among(vehicles: Vehicles, body: Body, lane_width: float) -> NeighbourGaps:
     """Return the nearest vehicles ahead of and behind an ego of that size, in its lane and beside it."""
     found: dict[str, Neighbour | None] = {}
+    if len(vehicles) == 0:
+        return NeighbourGaps()
+    in_front = vehicles.along - 0.5 * vehicles.length >= 0.5 * (body.front - body.rear_overhang)
     for side, prefix in ((0, ""), (1, "left_"), (-1, "right_")):
-        centre = side * lane_width
-        in_lane = np.abs(vehicles.across - centre) < 0.5 * (lane_width + 1.0)
-        middle = vehicles.along - 0.5 * vehicles.length
-        ego_middle = 0.5 * (body.front - body.rear_overhang)
+        in_lane = np.abs(vehicles.across - side * lane_width) < 0.5 * (lane_width + 1.0)
         for ahead in (True, False):
-            some = np.flatnonzero(in_lane & ((middle >= ego_middle) == ahead))
             best: Neighbour | None = None
-            for i in some:
+            for i in np.flatnonzero(in_lane & (in_front == ahead)):
                 rear = float(vehicles.along[i] - vehicles.length[i])
                 gap = rear - body.front if ahead else -body.rear_overhang - float(vehicles.along[i])
                 if best is None or gap < best.gap:

@@ -26,7 +26,7 @@ from controllers.interface import (
 )
 from cosim.arrays import FloatArray
 from cosim.sensing.eyesight import eyesight_of
-from cosim.sensing.interface import Scene, Sensing
+from cosim.sensing.interface import Scene, Sensing, Site
 from cosim.sensing.models.perfect import Model as Perfect
 from cosim.sensing.senses import Senses
 from cosim.step.plant import CAR_DRIVE, Plant
@@ -74,6 +74,7 @@ class ToyWorld:
     _command: Command = field(init=False)
     _reference: int = field(init=False)
     _travelled: float = field(init=False, default=0.0)
+    _site: Site = field(init=False)
     _senses: Senses = field(init=False)
     _reacting: Sequence[ReactingMotion] = field(init=False)
 
@@ -81,7 +82,8 @@ class ToyWorld:
         self.plant = Plant(self.body, self.drive, 0.0, self.lane * self.road.lane_width, 0.0, self.speed)
         self._command = constant_command(0.0, 0.0)
         self._reference = self.lane
-        self._senses = Senses(self.sensing, self.road.site(), self.seed)
+        self._site = self.road.site()
+        self._senses = Senses(self.sensing, self._site, self.seed)
         # Found once: asking for a protocol takes as long as moving a pedestrian.
         self._reacting = [p.motion for p in self.pedestrians if isinstance(p.motion, ReactingMotion)]
 
@@ -99,7 +101,7 @@ class ToyWorld:
                 vehicles,
                 gaps_among(vehicles, self.body, self.road.lane_width),
                 self._road(),
-                eyesight_of(self.sensing, self.road.site(), self.body),
+                eyesight_of(self.sensing, self._site, self.body),
             ),
         )
 
