@@ -60,6 +60,26 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Markup, str]:
     return folder, page, text
 
 
+@pytest.fixture(scope="module")
+def eventful(tmp_path_factory: pytest.TempPathFactory) -> tuple[Written, Markup]:
+    """Return the report of a study with criteria, a run that is invalid and one that failed."""
+    folder = write_study(tmp_path_factory.mktemp("eventful") / "study")
+    (folder / "runs/sumo-2/job.json").write_text('{"command": "cosim run road --controller sumo --seed 2"}')
+    write_study_run(folder / "runs/sumo-9", "sumo", 9, invalid="ego_0 was teleported")
+    (folder / "failed.csv").write_text(
+        "run,scenario,controller,seed,attempts,reason,command\n"
+        "road-sumo-10,road,sumo,10,2,time-out after 600 s,cosim run road --seed 10\n"
+    )
+    rows = [
+        {"criterion_id": "kept away", "value": 3.0, "margin": 2.0, "status": "pass"},
+        {"criterion_id": "told only", "value": 0.6, "margin": -0.4, "counts": False},
+        {"criterion_id": "too near", "value": 0.41, "margin": -0.59},
+    ]
+    write_criteria(folder, [{"operator": ">=", "threshold": 1.0, "unit": "m", **row} for row in rows])
+    done, page, _ = written(folder)
+    return done, page
+
+
 def test_the_page_is_well_formed_and_loads_nothing(study: tuple[Path, Markup, str]) -> None:
     _, page, text = study
     assert page.problems == []
@@ -126,10 +146,10 @@ def test_tables_of_a_batch_are_used_only_while_they_are_of_these_runs(tmp_path: 
     assert "<code>report_data/configs.csv</code>" in text
 
 
-def test_an_encounter_without_recording_says_so_and_names_the_command(tmp_path: Path) -> None:
-    folder = write_study(tmp_path / "study")
-    (folder / "runs/sumo-2/job.json").write_text('{"command": "cosim run road --controller sumo --seed 2"}')
-    done, page, _ = written(folder)
+def test_an_encounter_without_recording_says_so_and_names_the_command(
+    eventful: tuple[Written, Markup],
+) -> None:
+    done, page = eventful
     assert done.replays == 0
     assert done.not_recorded == done.listed == 19
     assert "no recording" in page.texts
@@ -139,27 +159,14 @@ def test_an_encounter_without_recording_says_so_and_names_the_command(tmp_path: 
     assert not any("▶ Replay" in text for text in page.texts)
 
 
-def test_invalid_and_failed_runs_are_named_with_their_reason(tmp_path: Path) -> None:
-    folder = write_study(tmp_path / "study")
-    write_study_run(folder / "runs/sumo-9", "sumo", 9, invalid="ego_0 was teleported")
-    (folder / "failed.csv").write_text(
-        "run,scenario,controller,seed,attempts,reason,command\n"
-        "road-sumo-10,road,sumo,10,2,time-out after 600 s,cosim run road --seed 10\n"
-    )
-    _, page, _ = written(folder)
+def test_invalid_and_failed_runs_are_named_with_their_reason(eventful: tuple[Written, Markup]) -> None:
+    _, page = eventful
     for text in ("runs/sumo-9", "ego_0 was teleported", "road-sumo-10", "time-out after 600 s", "6 of 8"):
         assert text in page.texts
 
 
-def test_criteria_show_what_decides_first(tmp_path: Path) -> None:
-    folder = write_study(tmp_path / "study")
-    rows = [
-        {"criterion_id": "kept away", "value": 3.0, "margin": 2.0, "status": "pass"},
-        {"criterion_id": "told only", "value": 0.6, "margin": -0.4, "counts": False},
-        {"criterion_id": "too near", "value": 0.41, "margin": -0.59},
-    ]
-    write_criteria(folder, [{"operator": ">=", "threshold": 1.0, "unit": "m", **row} for row in rows])
-    _, page, _ = written(folder)
+def test_criteria_show_what_decides_first(eventful: tuple[Written, Markup]) -> None:
+    _, page = eventful
     order = [page.texts.index(name) for name in ("too near", "told only", "kept away")]
     assert order == sorted(order)
     assert "✗ not passed" in page.texts

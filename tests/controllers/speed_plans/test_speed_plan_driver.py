@@ -67,7 +67,8 @@ def _crowd(count: int, place: float, seed: int) -> list[Motion]:
     [
         *((variant, 5) for variant in (*VARIANTS, "trapezoid")),
         *((variant, 2) for variant in ("plain", "both", "trapezoid")),
-        *((variant, 20) for variant in ("both", "trapezoid")),
+        ("both", 20),
+        pytest.param("trapezoid", 20, marks=pytest.mark.slow),
     ],
 )
 def test_nobody_who_crosses_a_zebra_is_touched_and_the_ego_drives_on(variant: str, count: int) -> None:
@@ -235,8 +236,14 @@ def test_a_standing_car_is_driven_round_where_there_is_another_lane() -> None:
 
 
 @BOTH
-@pytest.mark.parametrize("step", [0.05, 0.1, 0.2, 0.5, 1.0])
-@pytest.mark.parametrize("lanes", [1, 2])
+@pytest.mark.parametrize(
+    ("lanes", "step"),
+    [
+        *((1, step) for step in (0.05, 0.1, 0.2, 0.5, 1.0)),
+        *((2, step) for step in (0.1, 0.5, 1.0)),
+        *(pytest.param(2, step, marks=pytest.mark.slow) for step in (0.05, 0.2)),
+    ],
+)
 def test_a_standing_car_is_never_touched_at_low_speed_whatever_the_step(
     name: str, step: float, lanes: int
 ) -> None:
