@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import math
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -11,7 +15,8 @@ import pytest
 
 from studies.papers.__main__ import main
 from studies.papers.claim import Claim, Status
-from studies.papers.potential_field import experiments
+from studies.papers.potential_field import experiments, scenes, spread
+from studies.papers.potential_field import figures as drawings
 from studies.papers.potential_field.scenes import (
     FIXED_AXIS,
     GRAVITY,
@@ -19,11 +24,10 @@ from studies.papers.potential_field.scenes import (
     SCENES,
     Scene,
     Track,
-    driven,
     planned,
 )
-from studies.papers.potential_field.spread import directions, gain_grid, orders
-from studies.papers.table import write_claims
+from studies.papers.potential_field.spread import gain_grid
+from studies.papers.table import read_claims
 from tests.studies.papers.holds import HOLDS
 
 PAPER = "003"
@@ -31,23 +35,49 @@ SCENE = MappingProxyType({scene.name: scene for scene in SCENES})
 RIGHT_ANGLE = math.radians(90.0)
 
 
+# The experiments and the tests ask for the same drives and counts; each is made once.
+driven, directions, orders = cache(scenes.driven), cache(spread.directions), cache(spread.orders)
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """What the command makes and prints."""
+
+    folder: Path
+    claims: list[Claim]
+    shown: str
+
+
 @pytest.fixture(scope="module")
-def claims(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Claim], Path]:
-    """Run all experiments once."""
-    folder = tmp_path_factory.mktemp("figures")
-    return experiments.run(folder), folder
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """Run all experiments once, by the command."""
+    folder = tmp_path_factory.mktemp("potential-field") / "out"
+    shown = io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(shown):
+        for name, found in (("driven", driven), ("directions", directions), ("orders", orders)):
+            patch.setattr(experiments, name, found)
+        assert main([PAPER, "--out", str(folder)]) == 0
+    return Made(folder, read_claims(folder / "claims.csv"), shown.getvalue())
 
 
-def test_the_command_gives_the_same_claims_and_figures_again_and_counts_the_claims(
-    claims: tuple[list[Claim], Path], capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    known, figures = claims
-    assert main([PAPER, "--out", str(tmp_path / "out")]) == 0
-    shown = capsys.readouterr().out
-    made = {path.name: path.read_bytes() for path in (tmp_path / "out/figures").iterdir()}
-    assert made == {path.name: path.read_bytes() for path in figures.iterdir()}
-    write_claims(tmp_path / "known.csv", known)
-    assert (tmp_path / "out/claims.csv").read_bytes() == (tmp_path / "known.csv").read_bytes()
+@pytest.mark.slow
+def test_a_second_run_gives_the_same_claims_and_figures(made: Made, tmp_path: Path) -> None:
+    assert experiments.run(tmp_path) == made.claims
+    figures = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert figures == {path.name: path.read_bytes() for path in (made.folder / "figures").iterdir()}
+
+
+def test_a_drive_and_a_figure_come_out_the_same_again(made: Made, tmp_path: Path) -> None:
+    first, again = driven(SCENES[0], "fixed"), scenes.driven(SCENES[0], "fixed")
+    assert first is not again
+    assert (again.x.tolist(), again.y.tolist()) == (first.x.tolist(), first.y.tolist())
+    drawings.draw_directions(tmp_path / "again.png")
+    there = made.folder / "figures/003-direction-probabilities.png"
+    assert (tmp_path / "again.png").read_bytes() == there.read_bytes()
+
+
+def test_the_command_counts_the_claims(made: Made) -> None:
+    known, shown = made.claims, made.shown
     assert {claim.paper for claim in known} == {PAPER}
     reproduced = [claim.status for claim in known].count(Status.RESULT)
     (line, *_) = (line for line in shown.splitlines() if line.startswith(f"| {PAPER}"))
@@ -147,8 +177,8 @@ def test_the_tuned_field_does_not_avoid_who_walks_in_any_direction() -> None:
     assert fixed.touched == pytest.approx(0.999, abs=0.005)
 
 
-def test_every_claim_has_what_the_table_needs(claims: tuple[list[Claim], Path]) -> None:
-    found, _ = claims
+def test_every_claim_has_what_the_table_needs(made: Made) -> None:
+    found = made.claims
     assert {claim.paper for claim in found} == {"003"}
     for claim in found:
         assert claim.our_value
@@ -158,9 +188,9 @@ def test_every_claim_has_what_the_table_needs(claims: tuple[list[Claim], Path]) 
     assert len(keys) == len(set(keys))
 
 
-def test_what_is_reproduced_what_is_fitted_and_what_is_not(claims: tuple[list[Claim], Path]) -> None:
+def test_what_is_reproduced_what_is_fitted_and_what_is_not(made: Made) -> None:
     by_status = {
-        status: {(claim.experiment, claim.claim) for claim in claims[0] if claim.status is status}
+        status: {(claim.experiment, claim.claim) for claim in made.claims if claim.status is status}
         for status in Status
     }
     assert not by_status[Status.RESULT]
@@ -173,15 +203,15 @@ def test_what_is_reproduced_what_is_fitted_and_what_is_not(claims: tuple[list[Cl
         "108 untuned gain sets, field moves",
         "direction drawn from the model, start (50, 4)",
     }
-    fitted = [claim for claim in claims[0] if claim.status is Status.FITTED]
+    fitted = [claim for claim in made.claims if claim.status is Status.FITTED]
     assert {f"scene {name}, path" for name in "1234"} <= {claim.experiment for claim in fitted}
     own = {experiment for experiment, _ in by_status[Status.OWN_CHECK]}
     assert {f"scene {name}, driven" for name in "1234"} <= own
 
 
-def test_the_figures_are_drawn(claims: tuple[list[Claim], Path]) -> None:
-    """That a second run draws the same ones is tested with the command, in ``test_command.py``."""
-    names = {path.name for path in claims[1].iterdir()}
+def test_the_figures_are_drawn(made: Made) -> None:
+    figures = made.folder / "figures"
+    names = {path.name for path in figures.iterdir()}
     assert names == {
         "003-curvature.png",
         "003-direction-probabilities.png",
@@ -190,4 +220,4 @@ def test_the_figures_are_drawn(claims: tuple[list[Claim], Path]) -> None:
         "003-outlines.png",
         "003-parts-of-the-field.png",
     }
-    assert all((claims[1] / name).stat().st_size > 10_000 for name in names)
+    assert all((figures / name).stat().st_size > 10_000 for name in names)
