@@ -36,11 +36,14 @@ def build(source: Path, site: Path) -> subprocess.CompletedProcess[str]:
 
 
 def sources(folder: Path) -> Path:
-    """Return a copy of everything that the site is made of."""
+    """Return a copy of what the site is made of: the first page, and the headings of the other texts."""
     shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns("__pycache__"))
     (folder / "benchmarks").mkdir()
-    for name in ("mkdocs.yml", "CHANGELOG.md", "CONTRIBUTING.md", "benchmarks/results.md"):
-        shutil.copy(ROOT / name, folder / name)
+    shutil.copy(ROOT / "mkdocs.yml", folder)
+    texts = [str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md") if path.stem != "index"]
+    for name in (*texts, "CHANGELOG.md", "CONTRIBUTING.md", "benchmarks/results.md"):
+        lines = (ROOT / name).read_text("utf-8").splitlines()
+        (folder / name).write_text("\n\n".join(line for line in lines if line.startswith("#")), "utf-8")
     return folder
 
 
