@@ -34,12 +34,14 @@ ONE_CASE = ("--filter", "crossing_right_25_30kmh")
 
 SHORTER: Mapping[Words, Words] = {
     ("cosim", "run", "suite:"): (),
+    # With one car in three an ego, some set out at once.
+    ("cosim", "run", "town.sumocfg", "--ego-share", "0.3"): ("--duration-s", "12"),
     ("cosim", "run", "town.sumocfg"): ("--duration-s", "25"),
-    ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "20"),
+    ("cosim", "run", "scenarios/town/scenario.sumocfg"): ("--duration-s", "12"),
     ("cosim", "run", "bus_stop_occlusion"): ("--set", "warmup_s=5", "--duration-s", "15"),
     ("cosim", "run"): BRIEF,
     ("cosim", "screen", "town.sumocfg"): ("--seeds", "1-2", "--to", "50"),
-    ("cosim", "screen", "midblock_zebra"): ("--to", "35"),
+    ("cosim", "screen", "midblock_zebra"): ("--seeds", "1", "--to", "35"),
     ("cosim", "check", "suite:"): ONE_CASE,
     # tests/cosim/search checks a whole folder of failures.
     ("cosim", "check", "results/constant/failures"): ("--filter", "kind-01"),
@@ -103,6 +105,12 @@ MAY_FAIL_CRITERIA: Sequence[Words] = (
 """Exit code 1 is an answer, too."""
 
 
+PREPARED: Mapping[str, Sequence[Words]] = {
+    "docs/openscenario.md": (("cosim", "run", "midblock_zebra", "--controller", "vo_mpc"),),
+}
+"""Commands of a page that its preparation has run, so long that the next ones find what they need."""
+
+
 def begins(words: Sequence[str], start: Words) -> bool:
     """Tell whether a command begins with these words, the last of them being a prefix."""
     whole = len(start) - 1
@@ -118,6 +126,11 @@ def shortened(words: Sequence[str]) -> list[str]:
 def is_slow(words: Sequence[str]) -> bool:
     """Tell whether only the slow tests run a command."""
     return any(begins(words, start) for start in SLOW)
+
+
+def is_prepared(page: str, words: Sequence[str]) -> bool:
+    """Tell whether the preparation of a page has run this command."""
+    return any(tuple(words) == one for one in PREPARED.get(page, ()))
 
 
 def prepare(page: str, folder: Path, slow: bool) -> None:
@@ -278,7 +291,7 @@ PREPARATIONS: Mapping[str, Sequence[Callable[[Path], None]]] = {
     "docs/plots.md": (_runs("vo_mpc"),),
     "docs/real-tracks.md": (_street,),
     "docs/validation.md": (_site,),
-    "docs/report.md": (_runs("vo_mpc", "sumo", "aeb", of=BRIEF),),
+    "docs/report.md": (_runs("vo_mpc"), _runs("sumo", "aeb", of=BRIEF)),
 }
 SLOW_PREPARATIONS: Mapping[str, Sequence[Callable[[Path], None]]] = {
     "docs/batches.md": (_study,),

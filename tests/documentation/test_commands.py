@@ -36,6 +36,8 @@ def folder(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch
 def work_off(page: str, folder: Path, commands: list[Command], slow: bool) -> None:
     reductions.prepare(page, folder, slow)
     for command in commands:
+        if reductions.is_prepared(page, command.words):
+            continue
         begun = time.monotonic()
         code = reductions.run(reductions.shortened(command.words))
         print(f"{time.monotonic() - begun:.1f} s  {command.place}", file=sys.stderr)
@@ -113,3 +115,6 @@ def test_each_entry_of_the_registry_is_of_a_command_that_a_text_shows() -> None:
         assert any(reductions.begins(words, start) for words in commands), " ".join(start)
     for page in (*reductions.PREPARATIONS, *reductions.SLOW_PREPARATIONS, *reductions.MADE):
         assert page in TO_RUN, page
+    for page, prepared in reductions.PREPARED.items():
+        assert page in reductions.PREPARATIONS
+        assert set(prepared) <= {tuple(one.words) for one in TO_RUN[page]}
