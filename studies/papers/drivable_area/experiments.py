@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,22 +43,28 @@ EXACT = 0.1
 """Relative tolerance of costs."""
 
 
-def run(figures: Path) -> list[Claim]:
-    """Run all experiments, draw the figures and return the claims with their results."""
-    rides = {one.name: rides_in(one) for one in SITUATIONS}
-    found = {one.name: chosen(one, EntropyMode.SHANNON) for one in SITUATIONS}
-    printed = {one.name: chosen(one, EntropyMode.PAPER) for one in SITUATIONS}
-    table = {one.name: at_the_table(one) for one in SITUATIONS}
+def run(figures: Path, situations: Sequence[Situation] = SITUATIONS) -> list[Claim]:
+    """Run all experiments, draw the figures and return the claims with their results.
+
+    Parameters
+    ----------
+    figures : folder for the figures
+    situations : at least two of them to search, to drive and to draw
+    """
+    rides = {one: rides_in(one) for one in situations}
+    found = {one: chosen(one, EntropyMode.SHANNON) for one in situations}
+    printed = {one: chosen(one, EntropyMode.PAPER) for one in situations}
+    table = {one: at_the_table(one) for one in SITUATIONS}
     claims = [*_braking_claims(), *_text_claims(), *_count_claims()]
     for one in SITUATIONS:
-        claims += _cost_claims(one, table[one.name])
+        claims += _cost_claims(one, table[one])
     claims += [*_sum_claims(), *_distance_claims()]
-    for one in SITUATIONS:
-        claims += _choice_claims(one, found[one.name], printed[one.name])
-        claims.append(_physics_claim(one, table[one.name]))
-    for one in SITUATIONS:
-        claims += ride_claims(one, rides[one.name])
-    several = {one.name: chosen_among_several(one) for one in SITUATIONS}
+    for one in situations:
+        claims += _choice_claims(one, found[one], printed[one])
+        claims.append(_physics_claim(one, table[one]))
+    for one in situations:
+        claims += ride_claims(one, rides[one])
+    several = {one: chosen_among_several(one) for one in situations}
     claims += several_claims(several)
     draw_several(figures / f"{PAPER}-several-pedestrians.png", several)
     drawings.draw_candidates(figures / f"{PAPER}-candidates.png", found)
@@ -66,7 +73,7 @@ def run(figures: Path) -> list[Claim]:
     drawings.draw_fronts(figures / f"{PAPER}-pareto-front.png", found)
     drawings.draw_rides(
         figures / f"{PAPER}-rides.png",
-        {name: (one.brake, one.loose, one.strict) for name, one in rides.items()},
+        {one: (ridden.brake, ridden.loose, ridden.strict) for one, ridden in rides.items()},
     )
     return claims
 

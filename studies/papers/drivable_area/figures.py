@@ -24,7 +24,6 @@ from studies.papers.drivable_area.scenes import (
     OWN,
     PACE,
     RULES,
-    SITUATIONS,
     WALKER,
     Situation,
     at_the_table,
@@ -39,16 +38,16 @@ THEIRS: Final = "#D55E00"
 PERSON: Final = "#009E73"
 GREY: Final = "#999999"
 
-Fronts = Mapping[str, tuple[Front, Verdict, int] | None]
-"""Front, verdict and chosen candidate of each situation, by its name."""
+Fronts = Mapping[Situation, tuple[Front, Verdict, int] | None]
+"""Front, verdict and chosen candidate of each situation."""
 
 
 def draw_candidates(path: Path, found: Fronts) -> None:
     """Draw the paths of the grid, coloured by their least cost, the chosen path and the path of Table 2."""
     figure = Figure(figsize=(10.0, 8.0), layout="constrained")
     scale = ScalarMappable(Normalize(0.0, 0.15), "cividis")
-    panels = figure.subplots(4, 1, sharex=True)
-    for axes, one in zip(panels, SITUATIONS, strict=True):
+    panels = figure.subplots(len(found), 1, sharex=True)
+    for axes, (one, chosen) in zip(panels, found.items(), strict=True):
         judged = verdict(problem(one), RULES, *grid(one))
         costs = np.where(judged.feasible, CostWeights().total(judged.costs), np.inf)
         for offset in np.unique(grid(one)[0]):
@@ -64,7 +63,6 @@ def draw_candidates(path: Path, found: Fronts) -> None:
         x = np.linspace(0.0, one.distance + 5.0, 120)
         table = at_the_table(one)
         axes.plot(x, table.paths.at(x[None, :])[0][0], "--", color=THEIRS, label="Table 2")
-        chosen = found[one.name]
         if chosen is not None:
             _, own, best = chosen
             axes.plot(x, own.paths.at(x[None, :])[0][best], color=OURS, linewidth=2.5, label="chosen")
@@ -91,7 +89,8 @@ def _draw_surroundings(axes: Axes, one: Situation) -> None:
 def draw_speeds(path: Path, found: Fronts) -> None:
     """Draw speeds over time: trapezoid and cubic to Table 2's final speed, and the chosen speed."""
     figure = Figure(figsize=(8.0, 5.5), layout="constrained")
-    for axes, one in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, SITUATIONS, strict=True):
+    panels = figure.subplots(*_square(found), sharex=True, sharey=True)
+    for axes, (one, chosen) in zip(panels.flat, found.items(), strict=True):
         table = at_the_table(one)
         times = RULES.times
         shown = times <= 4.0
@@ -106,7 +105,6 @@ def draw_speeds(path: Path, found: Fronts) -> None:
         axes.plot(
             times[shown], 3.6 * table.motions.speed[0][shown], "--", color=THEIRS, label="Table 2, smoothed"
         )
-        chosen = found[one.name]
         if chosen is not None:
             _, own, best = chosen
             axes.plot(times[shown], 3.6 * own.motions.speed[best][shown], color=OURS, label="chosen")
@@ -120,9 +118,8 @@ def draw_speeds(path: Path, found: Fronts) -> None:
 def draw_curvatures(path: Path, found: Fronts) -> None:
     """Draw the curvature along the path, and the limit of the tyres at the speed there."""
     figure = Figure(figsize=(8.0, 5.5), layout="constrained")
-    for axes, one in zip(figure.subplots(2, 2).flat, SITUATIONS, strict=True):
-        table, chosen = at_the_table(one), found[one.name]
-        drawn = [("Table 2", "--", THEIRS, table, 0)]
+    for axes, (one, chosen) in zip(figure.subplots(*_square(found)).flat, found.items(), strict=True):
+        drawn = [("Table 2", "--", THEIRS, at_the_table(one), 0)]
         if chosen is not None:
             drawn.append(("chosen", "-", OURS, chosen[1], chosen[2]))
         for label, style, color, judged, index in drawn:
@@ -150,10 +147,9 @@ def draw_curvatures(path: Path, found: Fronts) -> None:
 def draw_fronts(path: Path, found: Fronts) -> None:
     """Draw the Pareto fronts: curvature against distance, coloured by entropy."""
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
-    panels = figure.subplots(2, 2)
+    panels = figure.subplots(*_square(found))
     scale = ScalarMappable(Normalize(0.0, 0.05), "cividis")
-    for axes, one in zip(panels.flat, SITUATIONS, strict=True):
-        chosen = found[one.name]
+    for axes, (one, chosen) in zip(panels.flat, found.items(), strict=True):
         if chosen is not None:
             front, _, best = chosen
             costs: FloatArray = front.costs
@@ -163,19 +159,19 @@ def draw_fronts(path: Path, found: Fronts) -> None:
         axes.set_title(one.name, loc="left", fontsize=9)
         axes.set_xlabel("cost of curvature")
         axes.set_ylabel("cost of distance [1/m]")
-    panels[0, 0].legend(frameon=False)
+    panels.flat[0].legend(frameon=False)
     figure.colorbar(scale, ax=list(panels.flat), label="cost of entropy [1/m²]")
     _save(figure, path)
 
 
-def draw_rides(path: Path, rides: Mapping[str, tuple[Ride, Ride, Ride]]) -> None:
+def draw_rides(path: Path, rides: Mapping[Situation, tuple[Ride, Ride, Ride]]) -> None:
     """Draw path, speed and distance to the pedestrian of the closed-loop rides."""
     figure = Figure(figsize=(11.0, 8.5), layout="constrained")
     names = ("AEB", "drivable_area, beyond friction", "drivable_area, within friction")
     styles = ((GREY, "-"), (THEIRS, "--"), (OURS, "-"))
-    panels = figure.subplots(4, 3)
-    for row, one in zip(panels, SITUATIONS, strict=True):
-        for ride, name, (color, style) in zip(rides[one.name], names, styles, strict=True):
+    panels = figure.subplots(len(rides), 3)
+    for row, (one, driven) in zip(panels, rides.items(), strict=True):
+        for ride, name, (color, style) in zip(driven, names, styles, strict=True):
             x, y, _, speed = ride.track
             shown = np.array(ride.times) <= 5.0
             moved = x[shown] - ride.body.front
@@ -197,6 +193,11 @@ def draw_rides(path: Path, rides: Mapping[str, tuple[Ride, Ride, Ride]]) -> None
         *panels[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False
     )
     _save(figure, path)
+
+
+def _square(found: Fronts) -> tuple[int, int]:
+    """Return rows and columns of panels, two in a row."""
+    return (len(found) + 1) // 2, 2
 
 
 def _save(figure: Figure, path: Path) -> None:

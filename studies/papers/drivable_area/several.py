@@ -22,7 +22,6 @@ from studies.papers.drivable_area.scenes import (
     PACE,
     RULES,
     SEED,
-    SITUATIONS,
     WALKER,
     Situation,
     problem,
@@ -51,11 +50,10 @@ def chosen_among_several(one: Situation) -> Chosen | None:
     return choose(scene, rules, BUDGET, np.zeros(2), upper, np.zeros((0, 2)), SEED)
 
 
-def several_claims(found: Mapping[str, Chosen | None]) -> list[Claim]:
+def several_claims(found: Mapping[Situation, Chosen | None]) -> list[Claim]:
     """Return the claims, one per situation, that the chosen candidate touches nobody."""
     claims = []
-    for one in SITUATIONS:
-        chosen = found[one.name]
+    for one, chosen in found.items():
         nearest = -np.inf
         ours = "no candidate"
         if chosen is not None:
@@ -79,11 +77,10 @@ def several_claims(found: Mapping[str, Chosen | None]) -> list[Claim]:
     return claims
 
 
-def draw_several(path: Path, found: Mapping[str, Chosen | None]) -> None:
+def draw_several(path: Path, found: Mapping[Situation, Chosen | None]) -> None:
     """Draw the paths of the front, the chosen path and the three pedestrians."""
     figure = Figure(figsize=(9.0, 9.0), layout="constrained")
-    for axes, one in zip(figure.subplots(4, 1), SITUATIONS, strict=True):
-        chosen = found[one.name]
+    for axes, (one, chosen) in zip(figure.subplots(len(found), 1), found.items(), strict=True):
         x = np.linspace(0.0, one.distance + 6.0, 120)
         if chosen is not None:
             _, verdict, best = chosen

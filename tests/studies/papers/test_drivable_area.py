@@ -21,6 +21,7 @@ from studies.papers.drivable_area.scenes import (
     GRIP,
     RULES,
     SITUATIONS,
+    Situation,
     at_the_table,
     chosen,
     grid,
@@ -33,6 +34,10 @@ from tests.studies.papers.holds import HOLDS
 
 SITUATION = MappingProxyType({one.name: one for one in SITUATIONS})
 FIGURES = ("candidates", "curvature", "pareto-front", "rides", "several-pedestrians", "speed-profiles")
+FEW = tuple(SITUATION[name] for name in ("A1", "A4"))
+"""Both distances and both speeds; beside the three pedestrians of A4, no candidate is possible."""
+EACH = [pytest.param(one, id=one.name, marks=() if one in FEW else pytest.mark.slow) for one in SITUATIONS]
+Results = tuple[list[Claim], Path]
 
 
 searched = cache(chosen)
@@ -49,8 +54,15 @@ def searched_once() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Claim], Path]:
-    """Run all experiments once."""
+def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    """Run all experiments once, the searches and rides in few situations."""
+    folder = tmp_path_factory.mktemp("few-figures")
+    return experiments.run(folder, FEW), folder
+
+
+@pytest.fixture(scope="module")
+def all_results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    """Run all experiments once, in all situations."""
     folder = tmp_path_factory.mktemp("figures")
     return experiments.run(folder), folder
 
@@ -107,7 +119,7 @@ def test_the_grid_says_the_same_of_nearness_as_the_closed_form_of_a_straight_rid
     assert near == pytest.approx(closed, abs=0.01)
 
 
-def test_the_readings_of_the_distance_cost(results: tuple[list[Claim], Path]) -> None:
+def test_the_readings_of_the_distance_cost(results: Results) -> None:
     claims = {claim.experiment: claim for claim in results[0] if claim.experiment.startswith("cost_d, ")}
     for form, fit in (
         (SpeedRisk.METRES_PER_SECOND, -0.84),
@@ -121,38 +133,38 @@ def test_the_readings_of_the_distance_cost(results: tuple[list[Claim], Path]) ->
     assert "the pedestrian is not in danger" in claims["cost_d, v_s as km/h"].why
 
 
+@pytest.mark.parametrize("one", EACH)
 @pytest.mark.parametrize("mode", EntropyMode)
-def test_the_search_stops_where_it_can_and_touches_nobody(mode: EntropyMode) -> None:
-    for one in SITUATIONS:
-        found = searched(one, mode)
-        assert found is not None
-        front, judged, best = found
-        assert front.looked_at == 32 * 25
-        assert judged.feasible.all()
-        assert judged.meetings.clearance[best] > 0.0
-        if one.distance == 20.0:
-            assert front.genes[best] == pytest.approx([1.55, 0.0], abs=0.05)
+def test_the_search_stops_where_it_can_and_touches_nobody(mode: EntropyMode, one: Situation) -> None:
+    found = searched(one, mode)
+    assert found is not None
+    front, judged, best = found
+    assert front.looked_at == 32 * 25
+    assert judged.feasible.all()
+    assert judged.meetings.clearance[best] > 0.0
+    if one.distance == 20.0:
+        assert front.genes[best] == pytest.approx([1.55, 0.0], abs=0.05)
 
 
-def test_the_closed_loops() -> None:
-    impacts = {}
-    for one in SITUATIONS:
-        rides = driven(one)
-        impacts[one.name] = [ride.impact_speed for ride in (rides.brake, rides.loose, rides.strict)]
-    assert impacts["A1"] == [None] * 3
-    assert impacts["A2"] == [None] * 3
-    for name in ("A3", "A4"):
-        brakes, loose, strict = impacts[name]
-        assert loose is None
+@pytest.mark.parametrize("one", EACH)
+def test_the_closed_loops(one: Situation) -> None:
+    rides = driven(one)
+    brakes, loose, strict = (ride.impact_speed for ride in (rides.brake, rides.loose, rides.strict))
+    assert loose is None
+    if one.distance == 20.0:
+        assert brakes is None
+        assert strict is None
+    else:
         assert brakes is not None
         assert strict is not None
         assert strict < brakes
 
 
+@pytest.mark.parametrize("which", ["results", pytest.param("all_results", marks=pytest.mark.slow)])
 def test_no_claim_lacks_a_status_or_a_reason_and_every_figure_is_there(
-    results: tuple[list[Claim], Path],
+    which: str, request: pytest.FixtureRequest
 ) -> None:
-    claims, folder = results
+    claims, folder = request.getfixturevalue(which)
     assert {claim.paper for claim in claims} == {"002"}
     assert len({(claim.experiment, claim.claim) for claim in claims}) == len(claims)
     for claim in claims:
@@ -164,9 +176,9 @@ def test_no_claim_lacks_a_status_or_a_reason_and_every_figure_is_there(
 
 @pytest.mark.slow
 def test_a_second_run_gives_the_same_bytes(
-    results: tuple[list[Claim], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    all_results: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    claims, folder = results
+    claims, folder = all_results
     monkeypatch.setattr(experiments, "chosen", chosen)  # not what the first run has found
     monkeypatch.setattr(experiments, "rides_in", rides_in)
     assert experiments.run(tmp_path) == claims
@@ -174,7 +186,7 @@ def test_a_second_run_gives_the_same_bytes(
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
 
 
-def test_what_the_paper_says_is_sorted_as_it_came_out(results: tuple[list[Claim], Path]) -> None:
+def test_what_the_paper_says_is_sorted_as_it_came_out(results: Results) -> None:
     status = {(claim.experiment, claim.claim): claim.status for claim in results[0]}
     assert (
         status["12 · 14 candidates", "Many candidates in A1 and A2, some in A3, few in A4."] is Status.FITTED
