@@ -133,24 +133,19 @@ class ToyRoad:
 
 def gaps_among(vehicles: Vehicles, body: Body, lane_width: float) -> NeighbourGaps:
     """Return the nearest vehicles ahead of and behind an ego of that size, in its lane and beside it."""
-    found: dict[str, Neighbour | None] = {}
-    if len(vehicles) == 0:
-        return NeighbourGaps()
-    in_front = vehicles.along - 0.5 * vehicles.length >= 0.5 * (body.front - body.rear_overhang)
-    for side, prefix in ((0, ""), (1, "left_"), (-1, "right_")):
-        in_lane = np.abs(vehicles.across - side * lane_width) < 0.5 * (lane_width + 1.0)
-        for ahead in (True, False):
-            best: Neighbour | None = None
-            for i in np.flatnonzero(in_lane & (in_front == ahead)):
-                rear = float(vehicles.along[i] - vehicles.length[i])
-                gap = rear - body.front if ahead else -body.rear_overhang - float(vehicles.along[i])
-                if best is None or gap < best.gap:
-                    best = Neighbour(
-                        vehicles.names[i],
-                        gap,
-                        float(vehicles.along_speed[i]),
-                        float(vehicles.acceleration[i]),
-                        float(vehicles.length[i]),
-                    )
-            found[prefix + ("ahead" if ahead else "behind")] = best
+    lanes = {"": 0.0, "left_": lane_width, "right_": -lane_width}
+    found: dict[str, Neighbour | None] = {
+        f"{lane}{where}": None for lane in lanes for where in ("ahead", "behind")
+    }
+    ego_middle = 0.5 * (body.front - body.rear_overhang)
+    columns = vehicles.along, vehicles.across, vehicles.along_speed, vehicles.acceleration, vehicles.length
+    each = zip(vehicles.names, *(column.tolist() for column in columns), strict=True)
+    for name, along, across, speed, acceleration, length in each:
+        ahead = along - 0.5 * length >= ego_middle
+        gap = along - length - body.front if ahead else -body.rear_overhang - along
+        for lane, centre in lanes.items():
+            key = f"{lane}{'ahead' if ahead else 'behind'}"
+            best = found[key]
+            if abs(across - centre) < 0.5 * (lane_width + 1.0) and (best is None or gap < best.gap):
+                found[key] = Neighbour(name, gap, speed, acceleration, length)
     return NeighbourGaps(**found)
