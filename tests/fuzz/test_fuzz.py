@@ -14,12 +14,14 @@ from tests.fuzz.harness import judge
 
 pytestmark = pytest.mark.sumo
 ROOT = Path(__file__).resolve().parents[2]
+FEW = 40
+"""Cases in which each kind occurs."""
 
 
 @pytest.fixture(scope="module")
-def fuzzed() -> str:
+def fuzzed(request: pytest.FixtureRequest) -> str:
     """Return what is printed; in a process of its own, of which every case is a copy: one without threads."""
-    command = [sys.executable, "-m", "tests.fuzz", "--cases", "100", "--seed", "2"]
+    command = [sys.executable, "-m", "tests.fuzz", "--cases", str(request.param), "--seed", "2"]
     done = subprocess.run(
         command, cwd=ROOT, env=source_environment(), capture_output=True, text=True, timeout=300, check=False
     )
@@ -27,12 +29,16 @@ def fuzzed() -> str:
     return done.stdout
 
 
-def test_a_hundred_cases_behave(fuzzed: str) -> None:
-    assert "100 of 100 behaved" in fuzzed
+@pytest.mark.parametrize(
+    ("fuzzed", "count"), [(FEW, FEW), pytest.param(100, 100, marks=pytest.mark.slow)], indirect=["fuzzed"]
+)
+def test_cases_with_mistakes_behave(fuzzed: str, count: int) -> None:
+    assert f"{count} of {count} behaved" in fuzzed
     for kind in ("scenario", "pedestrians", "tracks", "study", "criteria", "sumo"):
         assert f"  {kind} " in fuzzed
 
 
+@pytest.mark.parametrize("fuzzed", [FEW], indirect=True)
 @pytest.mark.parametrize("kind", ["scenario", "tracks", "study", "criteria", "sumo"])
 def test_files_without_a_mistake_are_taken(kind: str, fuzzed: str) -> None:
     assert f"  without a mistake: {kind}: exit 0\n" in fuzzed
