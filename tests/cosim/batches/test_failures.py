@@ -7,8 +7,10 @@ import os
 import shutil
 import signal
 import subprocess
+import threading
 import time
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
@@ -37,14 +39,16 @@ def start(
     )
 
 
-def wait_for_runs(out: Path, count: int, process: subprocess.Popen[str], seconds: float = 120.0) -> None:
-    """Wait until so many runs are finished and another one is being made."""
+def wait_for_runs(
+    out: Path, count: int, process: subprocess.Popen[str] | None = None, seconds: float = 120.0
+) -> None:
+    """Wait until so many runs are finished and another one is being made, by a process or by this one."""
     deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline and process.poll() is None:
+    while time.monotonic() < deadline and (process is None or process.poll() is None):
         if (out / "runs").is_dir() and len(runs(out)) >= count and any((out / ".work").glob("*/run/*")):
             return
         time.sleep(0.02)
-    raise AssertionError(f"no {count} runs after {seconds} s: {process.poll()}")
+    raise AssertionError(f"no {count} runs after {seconds} s: {process and process.poll()}")
 
 
 def end(process: subprocess.Popen[str], seconds: float = 30.0) -> tuple[str, str]:
@@ -163,18 +167,29 @@ def test_a_batch_that_is_killed_again_and_again_ends_with_the_same_tables(tmp_pa
 
 def test_a_batch_that_is_told_to_end_before_its_first_run_says_so(tmp_path: Path) -> None:
     study = write_study(tmp_path, vary={"vehicles_per_hour": list(range(100, 400))})
-    process = start(study, "--out", "out", "--jobs", 1, folder=tmp_path)
-    deadline = time.monotonic() + 60.0
-    while not psutil.Process(process.pid).children(recursive=True) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(1.0)  # the first configurations are being checked
-    process.send_signal(signal.SIGTERM)
-    stdout, stderr = end(process)
-    assert process.returncode == 3, stderr
-    assert stdout == ""
-    last = stderr.strip().splitlines()[-1]
+    told = threading.Event()
+
+    def tell_to_end() -> None:
+        deadline = time.monotonic() + 60.0
+        while not workers(os.getpid()) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(1.0)  # the first configurations are being checked
+        told.set()
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # should the batch not handle it
+    try:
+        with ThreadPoolExecutor(1) as beside:
+            beside.submit(tell_to_end)
+            done = batch(study, "--out", "out", "--jobs", 1, code=3, folder=tmp_path)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert told.is_set()
+    assert done.stdout == ""
+    last = done.stderr.strip().splitlines()[-1]
     assert last.endswith(f"cosim: interrupted while {study} was checked; nothing was run")
     assert not (tmp_path / "out").exists()
+    assert workers(os.getpid()) == []
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -200,16 +215,20 @@ def test_a_batch_that_is_told_to_end_says_how_to_go_on(tmp_path: Path, number: s
 
 
 def test_a_worker_that_is_killed_from_outside_costs_one_attempt(tmp_path: Path) -> None:
-    study = write_study(tmp_path, set={"warmup_s": 2, "duration_s": 30}, seeds="1-4")
-    process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
-    wait_for_runs(tmp_path / "out", 1, process)
-    found = workers(process.pid)
-    assert found
-    for one in found:
-        one.kill()
-    stdout, stderr = end(process, 120.0)
-    assert process.returncode == 0, stderr
-    assert "4 of 4 runs finished, 0 failed" in stdout
+    study = write_study(tmp_path, set={"warmup_s": 2, "duration_s": 15}, seeds="1-4")
+
+    def kill_workers() -> None:
+        wait_for_runs(tmp_path / "out", 1)
+        found = workers(os.getpid())
+        assert found
+        for one in found:
+            one.kill()
+
+    with ThreadPoolExecutor(1) as beside:
+        killed = beside.submit(kill_workers)
+        done = batch(study, "--out", "out", "--jobs", 2, folder=tmp_path)
+        killed.result()
+    assert "4 of 4 runs finished, 0 failed" in done.stdout
 
 
 @pytest.mark.slow

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.cosim.batches import unruly
 from tests.cosim.batches.studies import batch, write_study
-from tests.cosim.cli.commands import command, source_environment
+from tests.cosim.cli.commands import finished
 
 pytestmark = pytest.mark.sumo
 
@@ -42,13 +41,13 @@ def test_a_batch_whose_controller_fails_at_its_first_plan_is_refused_in_time(
 
 
 @pytest.mark.parametrize(("at_s", "code"), [(0.0, 2), (3.0, 3)])
-def test_a_controller_that_calls_exit_fails_like_any_other(at_s: float, code: int, tmp_path: Path) -> None:
-    environment = {**source_environment(), **unruly.install(tmp_path / "plugin")}
+def test_a_controller_that_calls_exit_fails_like_any_other(
+    at_s: float, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unruly.use(tmp_path / "plugin", monkeypatch)
     words = ["run", "midblock_zebra", "--controller", "unruly", "--duration-s", 4, "--out", "out"]
     given = ["--set", "behaviour=exit", "--set", f"at_s={at_s}", "--set", "warmup_s=2", "--debug"]
-    done = subprocess.run(
-        command(*words, *given), capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
-    )
+    done = finished(*words, *given, folder=tmp_path)
     assert done.returncode == code, done.stderr
     assert "SystemExit: enough" in done.stderr.strip().splitlines()[-1]
     assert "Traceback (most recent call last)" in done.stderr
