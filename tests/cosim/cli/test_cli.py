@@ -216,11 +216,11 @@ def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_wi
 ) -> None:
     network(tmp_path)
     # A vehicle on a route that does not exist is found when SUMO reads that far.
-    late = '<vehicle id="bad" depart="280"><route edges="e1 apart"/></vehicle>'
+    late = '<vehicle id="bad" depart="28"><route edges="e1 apart"/></vehicle>'
     (tmp_path / "late.rou.xml").write_text(f"<routes>{late}</routes>")
-    configuration(tmp_path, extra='<route-files value="late.rou.xml"/>')
+    configuration(tmp_path, extra='<route-files value="late.rou.xml"/><route-steps value="20"/>')
     arguments = ("--ego-route", "e1 e2", "--controller", "constant_speed", "--set", "speed_mps=1")
-    code = main(["run", "town.sumocfg", *arguments, "--duration-s", "300", "--out", "out"])
+    code = main(["run", "town.sumocfg", *arguments, "--duration-s", "30", "--out", "out"])
     captured = capsys.readouterr()
     assert code == 3, captured.err
     assert "invalid" in captured.err

@@ -44,7 +44,7 @@ def disturbed_run(folder, after, how):
         step(self)
     SumoWorld._step = disturbed
     sys.argv = ["cosim", "run", "midblock_zebra", "--controller", "aeb", "--out", folder]
-    sys.argv += ["--set", "warmup_s=5", "--set", "ego_headway_s=5"]
+    sys.argv += ["--set", "warmup_s=2", "--set", "ego_headway_s=2"]
     sys.exit(main())
 """
 ONE = DISTURBED + "disturbed_run(sys.argv[1], int(sys.argv[2]), sys.argv[3])"
@@ -65,8 +65,8 @@ for folder, after, how in json.loads(sys.argv[1]):
 """One run after the other, each in a copy of a process that has loaded what they need."""
 
 
-LATE = 22
-"""Four egos have been recorded for so long that the first 256 rows are written [s]."""
+LATE = 12
+"""Five egos have been recorded for so long that the first 256 rows are written [s]."""
 CRASHES = [
     (LATE, "crash", True, "SIGSEGV"),
     (2, "crash", False, "SIGSEGV"),
