@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from analysis.manifest import MANIFEST
+from tests.analysis.recorded import Ego, Person, line, write_run
 from tests.cosim.batches import unruly
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
 from tests.cosim.cli.commands import ended
@@ -223,9 +224,18 @@ def test_folders_of_before_are_read_with_a_line_that_says_so(
     commands = [compare, ["report", "out"], ["verify", "out"], ["batch", "study.toml", "--out", "out"]]
     for words in commands:
         assert ended(*words, folder=study).stdout.count(f"4 of 4 {said}") == 1
+    # Of a second, as a film of it is.
+    brief = write_run(
+        study / "brief", [Ego(line(0.0, 0.0, 5.0, 0.0))], [Person(line(32.5, -5.0, 0.0, 0.9))], duration=1.0
+    )
+    assert not (brief / MANIFEST).exists()
     run = run_of(study, "aeb", 1)
-    for words in (["plot"], ["replay", "--encounter", "1", "--out", "film.gif"], ["analyse"]):
-        assert f"1 of 1 {said}" in ended(words[0], run, *words[1:], folder=study).stdout
+    for words in (
+        ["plot", run],
+        ["replay", brief, "--encounter", "1", "--out", "film.gif"],
+        ["analyse", run],
+    ):
+        assert f"1 of 1 {said}" in ended(*words, folder=study).stdout
     assert "1 runs verified, 0 files damaged" in ended("verify", run).stdout
     assert f"3 of 4 {said}" in ended(*compare, folder=study).stdout
 

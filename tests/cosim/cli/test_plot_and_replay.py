@@ -27,18 +27,23 @@ def in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.fixture
-def recorded(tmp_path: Path) -> Path:
-    """A short run with one encounter."""
-    folder = write_run(
-        tmp_path / "run",
+def one_encounter(folder: Path, duration: float) -> Path:
+    """Write a run with one encounter and return its folder."""
+    write_run(
+        folder,
         [Ego(line(0.0, 0.0, 5.0, 0.0))],
         [Person(line(32.5, -5.0, 0.0, 0.9))],
         [Vehicle(line(20.0, 3.0, 5.0, 0.0))],
-        duration=2.0,
+        duration=duration,
     )
     seal_recording(folder)
     return folder
+
+
+@pytest.fixture
+def recorded(tmp_path: Path) -> Path:
+    """A short run with one encounter."""
+    return one_encounter(tmp_path / "run", 2.0)
 
 
 def test_figures_go_into_the_run_s_folder_or_a_new_one(
@@ -86,15 +91,16 @@ def test_without_matplotlib_one_line_says_what_to_install(
 
 
 def test_a_film_has_a_frame_for_every_recorded_instant_and_the_same_bytes_twice(
-    recorded: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    recorded = one_encounter(tmp_path / "brief", 0.8)
     monkeypatch.setattr("analysis.plots.animation.DOTS_PER_INCH", 20)
     for name in ("one.gif", "two.gif"):
-        assert main(["replay", "run", "--encounter", "1", "--out", name]) == 0
+        assert main(["replay", "brief", "--encounter", "1", "--out", name]) == 0
     assert Path("one.gif").read_bytes() == Path("two.gif").read_bytes()
     scene = choose(prepare(read_run(recorded)), None, 1)
     with Image.open("one.gif") as film:
-        assert film.n_frames == len(frame_indices(scene))  # type: ignore[attr-defined]  # a GIF has it
+        assert film.n_frames == len(frame_indices(scene)) == 9  # type: ignore[attr-defined]  # a GIF has it
         assert film.info["duration"] == 100  # ms, as long as a recorded step
 
 
