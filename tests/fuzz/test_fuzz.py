@@ -18,30 +18,31 @@ FEW = 40
 """Cases in which each kind occurs."""
 
 
-@pytest.fixture(scope="module")
-def fuzzed(request: pytest.FixtureRequest) -> str:
-    """Return what is printed; in a process of its own, of which every case is a copy: one without threads."""
-    command = [sys.executable, "-m", "tests.fuzz", "--cases", str(request.param), "--seed", "2"]
+@pytest.fixture(scope="module", params=[FEW, pytest.param(100, marks=pytest.mark.slow)])
+def fuzzed(request: pytest.FixtureRequest) -> tuple[int, str]:
+    """Return the number of cases and what is printed of them.
+
+    They are run in a process of its own, of which every case is a copy: one without threads.
+    """
+    count: int = request.param
+    command = [sys.executable, "-m", "tests.fuzz", "--cases", str(count), "--seed", "2"]
     done = subprocess.run(
         command, cwd=ROOT, env=source_environment(), capture_output=True, text=True, timeout=300, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    return count, done.stdout
 
 
-@pytest.mark.parametrize(
-    ("fuzzed", "count"), [(FEW, FEW), pytest.param(100, 100, marks=pytest.mark.slow)], indirect=["fuzzed"]
-)
-def test_cases_with_mistakes_behave(fuzzed: str, count: int) -> None:
-    assert f"{count} of {count} behaved" in fuzzed
+def test_cases_with_mistakes_behave(fuzzed: tuple[int, str]) -> None:
+    count, told = fuzzed
+    assert f"{count} of {count} behaved" in told
     for kind in ("scenario", "pedestrians", "tracks", "study", "criteria", "sumo"):
-        assert f"  {kind} " in fuzzed
+        assert f"  {kind} " in told
 
 
-@pytest.mark.parametrize("fuzzed", [FEW], indirect=True)
 @pytest.mark.parametrize("kind", ["scenario", "tracks", "study", "criteria", "sumo"])
-def test_files_without_a_mistake_are_taken(kind: str, fuzzed: str) -> None:
-    assert f"  without a mistake: {kind}: exit 0\n" in fuzzed
+def test_files_without_a_mistake_are_taken(kind: str, fuzzed: tuple[int, str]) -> None:
+    assert f"  without a mistake: {kind}: exit 0\n" in fuzzed[1]
 
 
 def test_a_case_that_does_not_behave_is_noticed(tmp_path: Path) -> None:
