@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from tests.cosim.cli.test_cli import network
 
 pytestmark = pytest.mark.sumo
 
-BUSY = {"warmup_s": 5, "duration_s": 40, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}
+BUSY = {"warmup_s": 5, "duration_s": 36, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}
 """Long enough for an ego to meet somebody."""
 
 
@@ -76,12 +77,22 @@ def test_a_run_of_a_batch_is_the_run_that_its_command_makes(tmp_path: Path) -> N
     assert first["run_id"] == second["run_id"]
 
 
-def test_the_same_rows_come_from_one_process_and_from_two(tmp_path: Path) -> None:
-    study = write_study(tmp_path, controllers=["sumo", "aeb"], set=BUSY, seeds="1-2")
+def rows_of_one_process_and_of_two(folder: Path, settings: Mapping[str, float]) -> Path:
+    """Compare the tables of a batch made by one process and by two, and return the folder of one of them."""
+    study = write_study(folder, controllers=["sumo", "aeb"], set=settings, seeds="1-2")
     for jobs in (1, 2):
-        batch(study, "--out", f"out{jobs}", "--jobs", jobs, folder=tmp_path)
-    assert lasting(tmp_path / "out1") == lasting(tmp_path / "out2")
-    assert len(rows(tmp_path / "out1" / "encounters.csv")) > 0
+        batch(study, "--out", f"out{jobs}", "--jobs", jobs, folder=folder)
+    assert lasting(folder / "out1") == lasting(folder / "out2")
+    return folder / "out1"
+
+
+def test_the_same_rows_come_from_one_process_and_from_two(tmp_path: Path) -> None:
+    assert len(rows(rows_of_one_process_and_of_two(tmp_path, SHORT) / "runs.csv")) == 4
+
+
+@pytest.mark.slow
+def test_the_same_rows_of_encounters_come_from_one_process_and_from_two(tmp_path: Path) -> None:
+    assert len(rows(rows_of_one_process_and_of_two(tmp_path, BUSY) / "encounters.csv")) > 0
 
 
 def traffic(controller: str, seed: int) -> dict[str, object]:

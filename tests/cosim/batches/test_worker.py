@@ -22,8 +22,8 @@ pytestmark = pytest.mark.sumo
 
 
 def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_path: Path) -> None:
-    first = some_job(controller="aeb", duration_s="30")
-    other = some_job(controller="vo_mpc", seed=2, pedestrians_per_hour="900", duration_s="12")
+    first = some_job(controller="aeb", duration_s="15")
+    other = some_job(controller="vo_mpc", seed=2, pedestrians_per_hour="900", duration_s="8")
     numbers = itertools.count()
     made = []
     with Pool(1, Handling(120.0)) as pool:
@@ -39,7 +39,7 @@ def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_
 
 
 def test_a_run_is_not_disturbed_by_a_start_without_a_step_before_it(tmp_path: Path) -> None:
-    job = some_job(duration_s="20")
+    job = some_job(duration_s="10")
     with Pool(1, Handling(120.0)) as pool:
         alone = pool.submit(job, tmp_path / "alone").result()
     with Pool(1, Handling(120.0)) as pool:
