@@ -6,6 +6,7 @@ import shlex
 import shutil
 import subprocess
 from collections.abc import Sequence
+from contextlib import suppress
 
 import psutil  # type: ignore[import-untyped]
 
@@ -15,13 +16,13 @@ SMALL_DISK_OUT = "disk/out"
 
 def workers(batch: int) -> list[psutil.Process]:
     """Return the processes that make the runs of a batch: copies of one process, which replaces them."""
-    try:
-        started = psutil.Process(batch).children()
-        return [
-            child for one in started if "forkserver" in " ".join(one.cmdline()) for child in one.children()
-        ]
-    except psutil.NoSuchProcess:
-        return []
+    found: list[psutil.Process] = []
+    with suppress(psutil.NoSuchProcess):
+        for one in psutil.Process(batch).children():
+            with suppress(psutil.NoSuchProcess):  # it has ended by now
+                if "forkserver" in " ".join(one.cmdline()):
+                    found += one.children()
+    return found
 
 
 def can_mount() -> bool:

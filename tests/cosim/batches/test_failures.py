@@ -7,11 +7,13 @@ import os
 import shutil
 import signal
 import subprocess
-import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from types import FrameType
 
 import psutil  # type: ignore[import-untyped]
 import pytest
@@ -19,7 +21,7 @@ import pytest
 from tests.cosim.batches import unruly
 from tests.cosim.batches.disturbing import SMALL_DISK_OUT, can_mount, on_small_disk, workers
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
-from tests.cosim.cli.commands import command, source_environment
+from tests.cosim.cli.commands import command, finished, source_environment
 
 pytestmark = pytest.mark.sumo
 
@@ -165,52 +167,89 @@ def test_a_batch_that_is_killed_again_and_again_ends_with_the_same_tables(tmp_pa
     assert not (out / ".work").exists()
 
 
-def test_a_batch_that_is_told_to_end_before_its_first_run_says_so(tmp_path: Path) -> None:
-    study = write_study(tmp_path, vary={"vehicles_per_hour": list(range(100, 400))})
-    told = threading.Event()
+@contextmanager
+def termination(beside: Callable[[], object]) -> Iterator[None]:
+    """Send SIGTERM to this process as soon as a function, called in a thread, has returned."""
 
     def tell_to_end() -> None:
+        beside()
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    def unhandled(number: int, frame: FrameType | None) -> None:
+        raise AssertionError("nothing handled SIGTERM")
+
+    before = signal.signal(signal.SIGTERM, unhandled)
+    try:
+        with ThreadPoolExecutor(1) as thread:
+            told = thread.submit(tell_to_end)
+            yield
+            told.result()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_a_batch_that_is_told_to_end_before_its_first_run_says_so(tmp_path: Path) -> None:
+    study = write_study(tmp_path, vary={"vehicles_per_hour": list(range(100, 400))})
+
+    def checked() -> None:
         deadline = time.monotonic() + 60.0
         while not workers(os.getpid()) and time.monotonic() < deadline:
             time.sleep(0.05)
         time.sleep(1.0)  # the first configurations are being checked
-        told.set()
-        os.kill(os.getpid(), signal.SIGTERM)
 
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # should the batch not handle it
-    try:
-        with ThreadPoolExecutor(1) as beside:
-            beside.submit(tell_to_end)
-            done = batch(study, "--out", "out", "--jobs", 1, code=3, folder=tmp_path)
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert told.is_set()
+    with termination(checked):
+        done = batch(study, "--out", "out", "--jobs", 1, code=3, folder=tmp_path)
     assert done.stdout == ""
     last = done.stderr.strip().splitlines()[-1]
     assert last.endswith(f"cosim: interrupted while {study} was checked; nothing was run")
     assert not (tmp_path / "out").exists()
-    assert workers(os.getpid()) == []
+    wait_until_gone(workers(os.getpid()))
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_batch_that_is_told_to_end_says_how_to_go_on(tmp_path: Path, number: signal.Signals) -> None:
-    study = write_study(tmp_path, seeds="1-500")
-    process = start(study, "--out", "out", "--jobs", 2, folder=tmp_path)
-    wait_for_runs(tmp_path / "out", 2, process)
+def stopped_apart(study: Path, folder: Path, number: signal.Signals) -> tuple[int, str, str]:
+    """Stop a batch in a process of its own by a signal; return its exit code and what it said."""
+    process = start(study, "--out", "out", "--jobs", 2, folder=folder)
+    wait_for_runs(folder / "out", 2, process)
     children = psutil.Process(process.pid).children(recursive=True)
     if number == signal.SIGINT:
         os.killpg(process.pid, number)  # as a terminal does
     else:
         process.send_signal(number)
-    stdout, stderr = end(process)
-    assert process.returncode == 3, stderr
+    said = end(process)
     wait_until_gone(children)
-    finished = len(runs(tmp_path / "out"))
-    assert f"{finished} of 500 runs finished" in stdout
+    return process.returncode, *said
+
+
+def stopped_here(study: Path, folder: Path) -> tuple[int, str, str]:
+    """Stop a batch of this process by SIGTERM; return its exit code and what it said."""
+    with termination(lambda: wait_for_runs(folder / "out", 2)):
+        done = finished("batch", study, "--out", "out", "--jobs", 2, folder=folder)
+    wait_until_gone(workers(os.getpid()))
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize(
+    "stopped",
+    [
+        pytest.param(partial(stopped_apart, number=signal.SIGINT), id="SIGINT"),
+        pytest.param(stopped_here, id="SIGTERM"),
+        pytest.param(
+            partial(stopped_apart, number=signal.SIGTERM), id="SIGTERM apart", marks=pytest.mark.slow
+        ),
+    ],
+)
+def test_a_batch_that_is_told_to_end_says_how_to_go_on(
+    tmp_path: Path, stopped: Callable[[Path, Path], tuple[int, str, str]]
+) -> None:
+    study = write_study(tmp_path, seeds="1-500")
+    code, stdout, stderr = stopped(study, tmp_path)
+    assert code == 3, stderr
+    done = len(runs(tmp_path / "out"))
+    assert f"{done} of 500 runs finished" in stdout
     assert "interrupted" in stderr
     assert f"cosim batch {study} --out out --jobs 2" in stderr
     assert "Traceback" not in stderr
-    assert len(rows(tmp_path / "out" / "runs.csv")) == finished
+    assert len(rows(tmp_path / "out" / "runs.csv")) == done
     assert not (tmp_path / "out" / ".work").exists()
 
 

@@ -230,12 +230,9 @@ def test_folders_of_before_are_read_with_a_line_that_says_so(
     )
     assert not (brief / MANIFEST).exists()
     run = run_of(study, "aeb", 1)
-    for words in (
-        ["plot", run],
-        ["replay", brief, "--encounter", "1", "--out", "film.gif"],
-        ["analyse", run],
-    ):
-        assert f"1 of 1 {said}" in ended(*words, folder=study).stdout
+    film = ("replay", brief, "--encounter", "1", "--out", "film.gif")
+    for arguments in (("plot", run), film, ("analyse", run)):
+        assert f"1 of 1 {said}" in ended(*arguments, folder=study).stdout
     assert "1 runs verified, 0 files damaged" in ended("verify", run).stdout
     assert f"3 of 4 {said}" in ended(*compare, folder=study).stdout
 

@@ -19,6 +19,9 @@ from tests.cosim.batches import unruly
 
 TABLES = ("trials.csv", "failures.csv", "unpreventable.csv", "progress.csv", "datapackage.json")
 
+PASSAGES = SPACE.replace("duration_s = 16.0", "duration_s = 12.0")
+"""They end soon after the ego, which meets the pedestrian at 10 s."""
+
 pytestmark = pytest.mark.sumo
 
 
@@ -26,7 +29,7 @@ pytestmark = pytest.mark.sumo
 def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a finished search for failures of a car that never brakes."""
     folder = tmp_path_factory.mktemp("search")
-    (folder / "space.toml").write_text(SPACE)
+    (folder / "space.toml").write_text(PASSAGES)
     assert main(arguments(folder, folder / "found", "--jobs", "2")) == 0
     return folder / "found"
 
@@ -113,7 +116,7 @@ def test_another_search_does_not_resume_in_its_folder(
 def test_a_search_of_another_space_does_not_resume_in_its_folder(
     found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "space.toml").write_text(SPACE.replace("maximum = 6.0", "maximum = 5.0"))
+    (tmp_path / "space.toml").write_text(PASSAGES.replace("maximum = 6.0", "maximum = 5.0"))
     assert main(arguments(tmp_path, found)) == 2
     error = capsys.readouterr().err
     assert "belongs to another search: there space.parameters" in error
@@ -135,14 +138,15 @@ def test_runs_of_another_code_version_are_not_resumed_and_stay(
 
 
 def test_a_criterion_that_is_never_defined_ends_the_search_and_keeps_its_runs(
-    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "criteria.toml").write_text(
         '[[criteria]]\nid = "zebras"\nscope = "encounter"\nmetric = "min_ttc_s"\noperator = ">="\n'
         'threshold = 1.0\nwhere = { crossing_type = "zebra" }\n'
     )
+    (tmp_path / "space.toml").write_text(SPACE.replace("duration_s = 16.0", "duration_s = 4.0"))
     criteria = ["--criteria", str(tmp_path / "criteria.toml")]
-    assert main([*arguments(found.parent, tmp_path / "out"), *criteria]) == 3
+    assert main([*arguments(tmp_path, tmp_path / "out"), *criteria]) == 3
     error = capsys.readouterr().err
     assert (
         "no criterion had anything to judge in any of 10 runs; expected a criterion that is defined" in error
