@@ -21,6 +21,9 @@ WARMUP_S = 90.0
 """Of the scenario [s]."""
 NEAR = 10.0
 """A line so near that is no longer told has been passed [m]."""
+TURNS = ("left", "straight", "right")
+LEFT = ("south_approach", "west_exit")
+"""The last 90 m before the junction, and the first ones behind it."""
 Signals = dict[str, tuple[float, SignalState]]
 
 
@@ -50,12 +53,21 @@ class RedLightWatch(Recorder):
 
 
 @pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
+def test_an_ego_turns_left_through_the_oncoming_traffic_and_arrives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, controller: str
+) -> None:
+    """It comes in 90 m before the junction, while its light is green."""
+    row, last = _driven(tmp_path, monkeypatch, controller, {}, 150.0, 110.0, LEFT)
+    assert row["n_vehicle_overlaps_ego_closed"] == "0"
+    assert row["n_collisions"] == "0"
+    assert last["edge"].tolist() == [LEFT[-1]]
+    assert 110.0 + 10.0 < last["time_s"].max() < 150.0 - 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
 @pytest.mark.parametrize(
-    ("turn", "count", "until_s"),
-    [
-        ("left", 2, 210.0),
-        *(pytest.param(turn, 4, 360.0, marks=pytest.mark.slow) for turn in ("left", "straight", "right")),
-    ],
+    ("turn", "count", "until_s"), [("left", 2, 210.0), *((turn, 4, 360.0) for turn in TURNS)]
 )
 def test_egos_cross_it_by_its_rules_and_arrive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turn: str, count: int, until_s: float, controller: str
@@ -69,6 +81,17 @@ def test_egos_cross_it_by_its_rules_and_arrive(
     assert last["time_s"].max() < until_s - 0.5
 
 
+@pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
+def test_an_ego_with_no_car_ahead_waits_at_the_red_light_and_drives_on_at_green(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, controller: str
+) -> None:
+    """It comes in 90 m before the junction, and waits for the last seconds of red."""
+    _, last = _driven(tmp_path, monkeypatch, controller, {"vehicles_per_hour": "0"}, 97.0, 75.0, LEFT)
+    assert RedLightWatch.waited == {"ego_0"}
+    assert last["edge"].tolist() != [LEFT[0]]
+
+
+@pytest.mark.slow
 def test_with_no_car_ahead_the_ego_itself_waits_at_a_red_light(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -83,16 +106,26 @@ def _driven(
     controller: str,
     settings: Mapping[str, str],
     until_s: float,
+    warmup_s: float = WARMUP_S,
+    ego_route: tuple[str, ...] = (),
 ) -> tuple[Mapping[str, str], pd.DataFrame]:
     """Return the row of ``runs.csv`` and the last rows of the egos of a run in which no red light is run."""
     monkeypatch.setattr("cosim.running.simulation.Recorder", RedLightWatch)
     monkeypatch.setattr(RedLightWatch, "passed", [], raising=False)
     monkeypatch.setattr(RedLightWatch, "waited", set(), raising=False)
-    out, duration_s = tmp_path / "run", until_s - WARMUP_S
+    if ego_route:
+        settings = {**settings, "ego_count": "1"}
     outcome = execute(
-        RunRequest("signalised_junction", controller, settings=settings, duration_s=duration_s, out=out)
+        RunRequest(
+            "signalised_junction",
+            controller,
+            settings={**settings, "warmup_s": str(warmup_s)},
+            duration_s=until_s - warmup_s,
+            ego_route=ego_route,
+            out=tmp_path / "run",
+        )
     )
     assert outcome.invalid_reason == ""
     assert RedLightWatch.passed == []
     assert outcome.row is not None
-    return outcome.row, pd.read_parquet(out / "egos.parquet").groupby("ego_id").tail(1)
+    return outcome.row, pd.read_parquet(tmp_path / "run/egos.parquet").groupby("ego_id").tail(1)
