@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +60,11 @@ BEHAVIOURS = {
     "start = { per_hour = 1800.0, accepted_gap_s = 4.0 }\ngoal_along_m = { uniform = [-20.0, 20.0] }\n",
     "trajectory": 'kind = "trajectory"\nfile = "recorded.csv"\n',
 }
+# All over the road and whoever comes.
+BLIND = (
+    BEHAVIOURS["jaywalk"].replace(", accepted_gap_s = 4.0", "").replace("1.4", "{ uniform = [0.8, 2.0] }")
+    + 'manners = [{ kind = "steady" }, { kind = "hesitating", after_m = { uniform = [0.5, 9.0] }, pause_s = 1.0 }]\n'
+)
 CONTROLLERS = ("vo_mpc", "aeb", "sumo")
 
 
@@ -94,7 +101,14 @@ def ran(folder: Path, controller: str, *more: str) -> Path:
 @pytest.mark.parametrize("step_s", ["0.05", "0.1", "0.25"])
 def test_a_recorded_trajectory_replays_to_the_millimetre(tmp_path: Path, step_s: str) -> None:
     rows = np.array(recording(tmp_path))
-    out = ran(scenario(tmp_path, BEHAVIOURS["trajectory"]), "sumo", "--set", f"step_s={step_s}")
+    out = ran(
+        scenario(tmp_path, BEHAVIOURS["trajectory"]),
+        "sumo",
+        "--set",
+        f"step_s={step_s}",
+        "--duration-s",
+        "16",
+    )
     found = people(out)
     local = found.time_s.to_numpy() - 2.0  # the warm-up
     off = np.hypot(
@@ -107,16 +121,23 @@ def test_a_recorded_trajectory_replays_to_the_millimetre(tmp_path: Path, step_s:
     assert len(found) > 10.0 / float(step_s)
 
 
-def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(tmp_path: Path) -> None:
-    recording(tmp_path)
-    blind = (
-        BEHAVIOURS["jaywalk"].replace(", accepted_gap_s = 4.0", "").replace("1.4", "{ uniform = [0.8, 2.0] }")
-    )
-    weights = 'manners = [{ kind = "steady" }, { kind = "hesitating", after_m = { uniform = [0.5, 9.0] }, pause_s = 1.0 }]\n'
-    folder = scenario(tmp_path, blind + weights, BEHAVIOURS["trajectory"])
+@pytest.fixture(scope="module")
+def together(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return what gives the run of a controller among all behaviours, and people who do not look."""
+    folder = tmp_path_factory.mktemp("together")
+    recording(folder)
+    scenario(folder, *BEHAVIOURS.values(), BLIND)
+    return cache(lambda controller: ran(folder, controller, "--duration-s", "28"))
+
+
+def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(
+    together: Callable[[str], Path],
+) -> None:
+    blind = (f"p{list(BEHAVIOURS).index('trajectory')}", f"p{len(BEHAVIOURS)}")
     tracks = []
-    for controller in ("vo_mpc", "aeb", "constant_speed"):
-        found = people(ran(folder, controller, "--duration-s", "28"))
+    for controller in CONTROLLERS:
+        found = people(together(controller))
+        found = found[found.object_id.str.partition("#")[0].isin(blind)]
         keys = zip(found.object_id.tolist(), found.time_s.round(3).tolist(), strict=True)
         places = zip(found.x_m.tolist(), found.y_m.tolist(), strict=True)
         tracks.append(dict(zip(keys, places, strict=True)))
@@ -140,11 +161,12 @@ def test_the_same_run_twice_has_the_same_bytes_and_another_seed_other_people(tmp
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
-def test_all_behaviours_together_end_well_with_a_controller(tmp_path: Path, controller: str) -> None:
-    recording(tmp_path)
-    out = ran(scenario(tmp_path, *BEHAVIOURS.values()), controller, "--duration-s", "28")
+def test_all_behaviours_together_end_well_with_a_controller(
+    together: Callable[[str], Path], controller: str
+) -> None:
+    out = together(controller)
     seen = {name.partition("#")[0] for name in people(out).object_id}
-    assert seen == {f"p{number}" for number in range(len(BEHAVIOURS))}
+    assert seen == {f"p{number}" for number in range(len(BEHAVIOURS) + 1)}
     encounters = pd.read_csv(out / "encounters.csv")
     assert len(encounters) > 0
     assert encounters.crossing_id.isna().all()
@@ -168,11 +190,13 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
     """The geometry of a protocol, through SUMO and the recorder: 50 % of the front at 50 km/h."""
     road = ROAD.replace("vehicles_per_hour = 200.0", "vehicles_per_hour = 0.0")
     for overlap in (0.25, 0.5):
-        row = BEHAVIOURS["protocol"].replace("overlap = 0.5", f"overlap = {overlap}")
-        out = ran(scenario(tmp_path, row, road=road), "constant_speed", "--duration-s", "23")
+        row = (
+            BEHAVIOURS["protocol"].replace("overlap = 0.5", f"overlap = {overlap}").replace("200.0", "100.0")
+        )
+        out = ran(scenario(tmp_path, row, road=road), "constant_speed", "--duration-s", "15")
         egos, found = pd.read_parquet(out / "egos.parquet"), people(out)
         both = egos.merge(found, on="time_s")
-        gap = 200.0 - 0.25 - both.front_x_m.to_numpy()
+        gap = 100.0 - 0.25 - both.front_x_m.to_numpy()
         after = int(np.argmax(gap <= 0.0))
         share = gap[after - 1] / (gap[after - 1] - gap[after])
         y = np.interp(share, [0.0, 1.0], both.y_m.to_numpy()[after - 1 : after + 1])
@@ -181,7 +205,7 @@ def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -
         assert both.speed_mps[after] * 3.6 == pytest.approx(13.89 * 3.6, abs=0.1)
         assert pd.read_csv(out / "encounters.csv").collision.tolist() == [1]
         # A controller that looks does not touch them: pedestrians unknown to SUMO are perceived.
-        seeing = ran(tmp_path, "aeb", "--duration-s", "23")
+        seeing = ran(tmp_path, "aeb", "--duration-s", "15")
         assert pd.read_csv(seeing / "encounters.csv").collision.tolist() == [0]
 
 
