@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -36,7 +37,13 @@ pytestmark = pytest.mark.sumo
 def run(tmp_path_factory: pytest.TempPathFactory) -> cosim.Run:
     folder = tmp_path_factory.mktemp("exchange") / "run"
     return cosim.run(
-        "midblock_zebra", controller="aeb", out=folder, duration_s=50.0, warmup_s=20.0, ego_headway_s=5.0
+        "midblock_zebra",
+        controller="aeb",
+        out=folder,
+        duration_s=30.0,
+        warmup_s=20.0,
+        ego_headway_s=5.0,
+        ego_count=2,
     )
 
 
@@ -52,6 +59,7 @@ def exported(run: cosim.Run, number: int) -> Path:
     return out / f"encounter-{number}.xosc"
 
 
+@cache
 def asam_schema() -> etree.XMLSchema:
     found = importlib.util.find_spec("qc_openscenario")
     assert found is not None

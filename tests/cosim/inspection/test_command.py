@@ -163,7 +163,7 @@ def test_a_scenario_made_from_braunschweig_runs(tmp_path: Path) -> None:
     shutil.copytree(packaged_file(BRAUNSCHWEIG).parent / "fokr_bs_demo", tmp_path / "fokr_bs_demo")
     shutil.copyfile(packaged_file(BRAUNSCHWEIG), tmp_path / "town.sumocfg")
     assert main(["inspect", "town.sumocfg", "--scaffold", "mine"]) == 0
-    arguments = ["--controller", "sumo", "--duration-s", "35", "--set", "ego_first_depart_s=0"]
+    arguments = ["--controller", "sumo", "--duration-s", "5", "--set", "ego_first_depart_s=0"]
     assert main(["run", "mine", *arguments, "--out", "run"]) == 0
     egos = pd.read_parquet(tmp_path / "run/egos.parquet")
     assert egos["time_s"].min() >= 54060.0

@@ -20,6 +20,8 @@ from tests.controllers.brief_searches import BRIEF_SEARCHES
 from tests.cosim.sensing.scenes import SITE, Walker, exactly, scene
 
 every_model = pytest.mark.parametrize("model", catalog.names())
+TOGETHER = {"fused", "aeb", "vo_mpc"}
+"""In the quick tests every controller drives with the model of both sensors, and these drive with every model."""
 WALKERS: list[Walker] = [
     ("child", 20.0, -6.0, 0.0, 1.5),
     ("walker", 30.0, 5.0, 0.2, -1.2),
@@ -68,8 +70,14 @@ def _drive(model: str, controller: str, seed: int = 1, duration: float = 2.5) ->
     return kept
 
 
-@every_model
-@pytest.mark.parametrize("controller", controllers.names())
+@pytest.mark.parametrize(
+    ("controller", "model"),
+    [
+        pytest.param(controller, model, marks=[] if TOGETHER & {controller, model} else [pytest.mark.slow])
+        for controller in controllers.names()
+        for model in catalog.names()
+    ],
+)
 def test_every_controller_drives_with_it(model: str, controller: str) -> None:
     kept = _drive(model, controller, duration=1.5)
     assert len(kept.plans) == 15
