@@ -155,7 +155,7 @@ def split(folder: Path, middle: float, vehicles: str) -> Path:
     edges = EDGES.replace('id="wj" from="w"', 'id="mj" from="m"') + WAY_BACK[0]
     edges += '<edge id="wm" from="w" to="m" numLanes="2" sidewalkWidth="2"/>'
     built.network(folder, nodes, edges, (CONNECTIONS + WAY_BACK[1]).replace("wj", "mj"))
-    return configured(folder, vehicles, 0.1)
+    return configured(folder, vehicles, 0.5)
 
 
 EGO = (

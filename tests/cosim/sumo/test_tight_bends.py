@@ -1,6 +1,8 @@
 """Egos in junctions whose lanes bend more than a car can: whole runs in SUMO."""
 
 import json
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pandas as pd
@@ -16,12 +18,12 @@ from . import built
 pytestmark = pytest.mark.sumo
 
 CORNER = (
-    '<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-100" y="-120"/>',
+    '<node id="w" x="-90" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-60" y="-72"/>',
     "",
 )
 FORK = (
-    '<node id="w" x="-150" y="0"/><node id="j" x="0" y="0" type="priority" radius="0.2"/>'
-    '<node id="e" x="150" y="0"/><node id="s" x="-100" y="-120"/>',
+    '<node id="w" x="-90" y="0"/><node id="j" x="0" y="0" type="priority" radius="0.2"/>'
+    '<node id="e" x="150" y="0"/><node id="s" x="-60" y="-72"/>',
     '<edge id="je" from="j" to="e"/><edge id="ej" from="e" to="j"/>',
 )
 ROADS = (
@@ -42,41 +44,45 @@ def build(folder: Path, net: tuple[str, str], step_s: float = 0.1) -> Path:
     return configuration
 
 
-def driven(tmp_path: Path, configuration: Path, route: str, controller: str = "vo_mpc") -> Path:
-    """Return the folder of a run of one ego that has left at its route's end."""
-    out = tmp_path / "run"
-    asked = RunRequest(
-        str(configuration), controller, duration_s=40.0, ego_route=tuple(route.split()), out=out
-    )
-    result = run(asked)
-    assert result.valid, result.invalid_reason
-    assert result.description["egos_given_up"] == []
-    assert result.description["n_routes_restored"] == 0
-    return out
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Return what gives the folder of a run of one ego that has left at its route's end."""
+
+    @cache
+    def drive(net: tuple[str, str], route: str, controller: str = "vo_mpc", step_s: float = 0.1) -> Path:
+        folder = tmp_path_factory.mktemp("bend")
+        configuration, out = build(folder, net, step_s), folder / "run"
+        asked = RunRequest(
+            str(configuration), controller, duration_s=40.0, ego_route=tuple(route.split()), out=out
+        )
+        result = run(asked)
+        assert result.valid, result.invalid_reason
+        assert result.description["egos_given_up"] == []
+        assert result.description["n_routes_restored"] == 0
+        return out
+
+    return drive
 
 
 @pytest.mark.parametrize(("net", "route"), [(CORNER, "wj js"), (CORNER, "sj jw"), (FORK, "wj js")])
 @pytest.mark.parametrize(("controller", "step_s"), [("vo_mpc", 0.1), ("vo_mpc", 1.0), ("aeb", 0.1)])
 def test_an_ego_gets_round_a_sharp_bend_and_sumo_has_it_where_it_is(
-    tmp_path: Path, net: tuple[str, str], route: str, controller: str, step_s: float
+    driven: Callable[..., Path], net: tuple[str, str], route: str, controller: str, step_s: float
 ) -> None:
-    out = driven(tmp_path, build(tmp_path, net, step_s), route, controller)
-    egos = pd.read_parquet(out / "egos.parquet")
+    egos = pd.read_parquet(driven(net, route, controller, step_s) / "egos.parquet")
     assert not egos["intervention"].any()
     assert egos["intervention_cause"].isna().all()
     assert egos["edge"].iloc[-1] == route.split()[-1]
 
 
-def test_a_run_names_the_bends_that_are_too_tight(tmp_path: Path) -> None:
-    out = driven(tmp_path, build(tmp_path, CORNER), "wj js")
-    bends = json.loads((out / "run.json").read_text())["tight_bends"]
+def test_a_run_names_the_bends_that_are_too_tight(driven: Callable[..., Path]) -> None:
+    bends = json.loads((driven(CORNER, "wj js", "vo_mpc", 0.1) / "run.json").read_text())["tight_bends"]
     assert list(bends) == [":j_1_0"]
     assert 1.0 < bends[":j_1_0"] < 2.5
 
 
-def test_in_a_hairpin_every_intervention_has_the_bend_as_its_cause(tmp_path: Path) -> None:
-    out = driven(tmp_path, build(tmp_path, CORNER), "js sj")
-    egos = pd.read_parquet(out / "egos.parquet")
+def test_in_a_hairpin_every_intervention_has_the_bend_as_its_cause(driven: Callable[..., Path]) -> None:
+    egos = pd.read_parquet(driven(CORNER, "js sj") / "egos.parquet")
     assert egos["intervention"].any()
     assert set(egos["intervention_cause"][egos["intervention"]]) == {"tight_bend"}
     assert egos["edge"].iloc[-1] == "sj"
@@ -91,7 +97,7 @@ def test_places_on_the_path_through_a_sharp_bend_are_those_of_the_lanes(tmp_path
     ends = [place for piece in path.pieces for place in (piece.start, piece.end)]
     assert ends == sorted(ends)
     assert bend.start < inside.start < inside.end < bend.end
-    for piece, position in ((before, 50.0), (before, 120.0), (behind, 30.0), (behind, 100.0)):
+    for piece, position in ((before, 30.0), (before, 70.0), (behind, 20.0), (behind, 60.0)):
         first, last = piece.lane.shape
         point = first + (last - first) * position / piece.lane.shape_length
         along, across, _ = path.curve.project(point[None, :])
