@@ -19,7 +19,7 @@ DEMAND = {"vehicles_per_hour": "900", "pedestrians_per_hour": "400", "warmup_s":
 
 
 def made(out: Path, **keys: object) -> Path:
-    request = RunRequest("midblock_zebra", "aeb", 1, DEMAND, duration_s=45.0, out=out, **keys)  # type: ignore[arg-type]
+    request = RunRequest("midblock_zebra", "aeb", 1, DEMAND, duration_s=37.0, out=out, **keys)  # type: ignore[arg-type]
     assert execute(request).invalid_reason == ""
     return out
 

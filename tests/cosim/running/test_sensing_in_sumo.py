@@ -19,7 +19,7 @@ pytestmark = pytest.mark.sumo
 FIRST_STOP = (
     "bus_stop_occlusion",
     "--duration-s",
-    "30",
+    "25",
     "--set",
     "ego_count=1",
     "--set",
