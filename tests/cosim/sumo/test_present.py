@@ -95,12 +95,14 @@ def town(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "town.sumocfg"
 
 
-@pytest.mark.parametrize("step_s", [1.0, 0.25])
-def test_a_new_network_with_default_names_runs_to_its_end(town: Path, tmp_path: Path, step_s: float) -> None:
+@pytest.mark.parametrize(("step_s", "duration_s"), [(1.0, 60.0), (0.25, 25.0)])
+def test_a_new_network_with_default_names_runs_to_its_end(
+    town: Path, tmp_path: Path, step_s: float, duration_s: float
+) -> None:
     request = RunRequest(
-        str(town), "aeb", ego_share=0.5, duration_s=60.0, step_s=step_s, out=tmp_path / "out"
+        str(town), "aeb", ego_share=0.5, duration_s=duration_s, step_s=step_s, out=tmp_path / "out"
     )
     result = run(request)
     assert result.valid, result.invalid_reason
-    assert result.description["n_steps"] == round(60.0 / step_s)
+    assert result.description["n_steps"] == round(duration_s / step_s)
     assert not libsumo.isLoaded()
