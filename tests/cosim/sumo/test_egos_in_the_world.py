@@ -21,13 +21,9 @@ FLOW = '<flow id="f" type="car" begin="0" end="60" period="3" from="am" to="jb" 
 
 def test_a_share_takes_the_same_cars_whatever_they_do(open_world: OpenWorld) -> None:
     def names(wish: float) -> set[str]:
-        world = open_world(FLOW, Egos(share=0.4), duration_s=40.0)
-        return {
-            ego.name
-            for snapshot in drive(world, lambda p: keep_lane(p, wish=wish))
-            for ego in snapshot.egos
-            if snapshot.time < 15.0
-        }
+        world = open_world(FLOW, Egos(share=0.4), duration_s=15.0)
+        snapshots = drive(world, lambda p: keep_lane(p, wish=wish))
+        return {ego.name for snapshot in snapshots for ego in snapshot.egos}
 
     fast, slow = names(10.0), names(9.0)
     assert fast == slow

@@ -206,7 +206,7 @@ def test_several_egos_see_each_other(open_world: OpenWorld) -> None:
         if perception.gaps.ahead is not None:
             seen.add((perception.ego.name, perception.gaps.ahead.name))
 
-    snapshots = drive(open_world("", egos, duration_s=40.0), look=look)
+    snapshots = drive(open_world("", egos, duration_s=20.0), look=look)
     assert max(len(snapshot.egos) for snapshot in snapshots) == 3
     assert ("ego_1", "ego_0") in seen
     assert ("ego_2", "ego_1") in seen
