@@ -50,9 +50,6 @@ class PedestrianAssumptions:
     courtesy: float = 0.0
     """Before a crossing without priority, an ego that has come to rest lets people who stand at its end go
     first, until they have not stepped onto it for this long [s]."""
-    courtesy_ends: float = 20.0
-    """An ego that has been at rest before people at a crossing for this long lets nobody else go first: where
-    more people come all the time, it would stand there for ever [s]."""
 
 
 @dataclass(slots=True)
@@ -67,8 +64,6 @@ class Watch:
     """How long the pedestrian has stood while the ego waited for them [s]."""
     declined: dict[str, float] = field(default_factory=dict)
     """How long the pedestrian has stood while the ego was at rest [s]."""
-    rested: dict[str, float] = field(default_factory=dict)
-    """How long the ego has been at rest before people at the crossing, by its name [s]."""
     seen: float = -np.inf
     """Time of the last look [s]."""
     longest_wait: float = 0.0
@@ -102,11 +97,6 @@ class Watch:
                 waited[name] = self.waited.get(name, 0.0) + waits
                 declined[name] = self.declined.get(name, 0.0) + at_rest
         self.waited, self.declined = waited, declined
-        if ego.speed >= assume.waiting_below:
-            self.rested = {}
-        for index, crossing in enumerate(road.crossings):
-            if ego.body.front < crossing.entry < within and (people.crossing == index).any():
-                self.rested[crossing.name] = self.rested.get(crossing.name, 0.0) + at_rest
         self.longest_wait = max(waited.values(), default=0.0)
 
     def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
@@ -135,8 +125,7 @@ class Watch:
         """
         before = ego.speed < assume.waiting_below and ego.body.front < crossing.entry
         unmarked = crossing.kind is CrossingKind.UNMARKED
-        patient = self.rested.get(crossing.name, 0.0) < assume.courtesy_ends
-        return before and unmarked and patient and self.declined.get(name, 0.0) < assume.courtesy
+        return before and unmarked and self.declined.get(name, 0.0) < assume.courtesy
 
 
 class Expectation(NamedTuple):

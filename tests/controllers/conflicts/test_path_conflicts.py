@@ -191,18 +191,6 @@ def test_an_ego_that_rolls_to_its_line_stops_there_for_them_and_one_that_drives_
     assert _standing_at_a_crossing(watch, 0.6, 2.5) == 0.0
 
 
-def test_an_ego_that_has_rested_before_one_after_another_for_long_lets_nobody_else_go_first() -> None:
-    """It stood for two minutes before a stream of people who had no priority."""
-    watch, last = Watch(), int(2 * COURTEOUS.courtesy_ends)
-    for time in range(last + 1):
-        passes = Walker(FRONT + 3.0, time % 8 - 4.0, 0.0, 1.0, 0)
-        unmarked = replace(zebra(FRONT + 1.0, CrossingKind.UNMARKED), pedestrians_have_green=False)
-        watch.look(perception(ego(0.0, time=0.5 * time), walkers=[passes], crossings=[unmarked]), COURTEOUS)
-    assert _standing_at_a_crossing(watch, 0.0, 0.5 * last) == 0.0
-    assert _standing_at_a_crossing(watch, 1.0, 0.5 * last + 1.0) == 0.0
-    assert _standing_at_a_crossing(watch, 0.0, 0.5 * last + 1.5) == 1.2
-
-
 def test_only_before_a_crossing_without_priority_does_the_ego_let_them_go_first() -> None:
     assert _standing_at_a_crossing(Watch(), 0.0, 0.0, kind=CrossingKind.SIGNAL) == 0.0
     assert _standing_at_a_crossing(Watch(), 0.0, 0.0, entry=FRONT - 0.1) == 0.0
