@@ -82,8 +82,6 @@ class Contest:
             self.genetic = GeneticPlanner(Planner.like(self.layout, "osqp"))
         self.unsolved = 0
         self.iterations: list[int] = []
-        self.genetic_costs: dict[int, float] = {}
-        """Costs that the genetic algorithm found, by the identity of the step."""
 
     def repetition(self) -> dict[str, list[float]]:
         """Return what each step took [s]; the steps are the same for all, but fewer for the slowest.
@@ -94,7 +92,7 @@ class Contest:
         if self.non_linear:
             turn[CASADI] = self._ipopt
         if self.genetic:
-            turn[PYMOO] = self._genetically
+            turn[PYMOO] = self.genetic.plan
         times: dict[str, list[float]] = {name: [] for name in turn}
         for number, run in enumerate(self.runs):
             if self.non_linear:
@@ -115,9 +113,6 @@ class Contest:
         answer = self.non_linear.solve(step)
         self.iterations.append(answer.iterations)
         self.unsolved += not answer.found
-
-    def _genetically(self, step: Step) -> None:
-        self.genetic_costs[id(step)], _ = self.genetic.plan(step)
 
     def agreement(self) -> dict[str, float]:
         """Return how far our plans, the braking distance settled, are from IPOPT's optima at most."""
@@ -146,9 +141,7 @@ class Contest:
         for run in self.runs:
             plan, steering = self.exact.plan(run[-1])
             least = self.genetic.cost_of(run[-1], plan.inputs, steering.inputs)
-            if id(run[-1]) not in self.genetic_costs:
-                self._genetically(run[-1])
-            found = self.genetic_costs[id(run[-1])]
+            found, _ = self.genetic.plan(run[-1])
             excess.append((found - least) / self._cost(run[-1], plan, steering))
         return float(np.median(excess))
 

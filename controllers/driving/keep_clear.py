@@ -27,7 +27,7 @@ def keep_clear_line(
     gap: float,
     begun: Container[str] = (),
 ) -> tuple[float, str]:
-    """Return the stop line and name of a crossing that has no room for the ego beyond it; inf for none.
+    """Return where to stop for a crossing that has no room for the ego beyond it, and its name; inf for none.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def keep_clear_line(
 def keep_clear_of_people(
     perception: Perception, who: IntArray, along: FloatArray, places: FloatArray, until: FloatArray
 ) -> float:
-    """Return the stop line of a crossing on which the ego would stand for people; inf for none.
+    """Return where to stop for a crossing on which the ego would stand for people; inf for none.
 
     They are beyond the crossing, or beside it where they wait for something other than the ego.
 
@@ -87,8 +87,8 @@ def _waits_for_others(perception: Perception) -> NDArray[np.bool_]:
 def _avoidable(perception: Perception, begun: Container[str]) -> Iterator[tuple[Crossing, float, float]]:
     """Yield the crossings that the ego can stop before, with two places [m].
 
-    These are where the front bumper stops, which is the stop line, or for an ego that is past it the crossing
-    itself; and from where on it leaves room for the whole body beyond the crossing.
+    The front bumper stops at the first: the stop line, or the crossing itself if the ego is past the line.
+    From the second on, it leaves room for the whole body beyond the crossing.
     """
     ego, body = perception.ego, perception.ego.body
     for crossing in perception.road.crossings:

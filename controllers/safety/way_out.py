@@ -171,8 +171,8 @@ class WayOut:
         self._last = ego.time
         # While somebody still keeps the ego from starting, a plan that seems free only creeps up to them.
         begins = self.held_since is not None and self._driven < BEGINNING
-        on_the_way = begins or not in_lane or self._leads_past(perception, people, walks, reach)
-        if not held and not (self.taken and on_the_way):
+        stays_on = self.taken and (begins or not in_lane)
+        if not (held or stays_on or self._leads_past(perception, people, walks, reach)):
             self.taken, self._way = False, None
             return None
         if self.held_since is None:
