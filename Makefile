@@ -1,5 +1,6 @@
 # make demo             compare three controllers on one scenario
-# make test             run the tests; make test-slow runs the long ones
+# make test             run the tests, in five minutes; MARKS='not slow': the longer ones, too, as in CI
+# make test-slow        run the slow ones, which CI leaves out
 # make check            run the linters
 # make wheel            build the wheel and the source archive, and try the wheel in an environment of its own
 # make bench            run the benchmarks
@@ -26,6 +27,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
+MARKS ?= not long and not slow
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 # Tools are compiled when they are first used: most of their modules never are.
 TOOLS := $(PIP) install --quiet --no-compile -c constraints.txt -e
@@ -86,7 +88,7 @@ demo: $(VENV)/installed-report
 # A file stays in one process, so that what its tests share is made once; the files at the end are short.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder -m '$(MARKS)'
 
 test-slow: $(VENV)/installed-dev
 	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow

@@ -102,6 +102,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.long
 def test_the_walls_hold_in_a_clean_project_and_each_of_them_can_break(tmp_path: Path) -> None:
     project = skeleton(tmp_path)
     clean = lint_imports(project)
@@ -152,6 +153,7 @@ def test_ruff_refuses_an_unused_import_and_a_bad_layout(tmp_path: Path) -> None:
         assert subprocess.run(command, capture_output=True, check=False).returncode == 1
 
 
+@pytest.mark.long
 def test_mypy_refuses_a_function_without_types(tmp_path: Path) -> None:
     bad = tmp_path / "bad.py"
     bad.write_text("def double(x):\n    return 2 * x\n")
@@ -161,6 +163,7 @@ def test_mypy_refuses_a_function_without_types(tmp_path: Path) -> None:
     assert "no-untyped-def" in result.stdout
 
 
+@pytest.mark.long
 def test_pytest_treats_a_warning_as_an_error(tmp_path: Path) -> None:
     bad = tmp_path / "test_bad.py"
     bad.write_text("import warnings\n\n\ndef test_warns():\n    warnings.warn('old', stacklevel=1)\n")

@@ -17,6 +17,7 @@ def net(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return proxy.build(tmp_path_factory.mktemp("net"))
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize("foes", [proxy.PET_FOES, proxy.WIDE_FOES], ids=["pedestrian", "vehicle"])
 def test_sumo_agrees_on_the_post_encroachment_time(tmp_path: Path, net: Path, foes: list[proxy.Foe]) -> None:
@@ -24,6 +25,7 @@ def test_sumo_agrees_on_the_post_encroachment_time(tmp_path: Path, net: Path, fo
     assert np.abs(differences).max() <= 0.02
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize("foe", [proxy.COURSE, proxy.SIDE, proxy.LEADER], ids=["front", "side", "following"])
 def test_sumo_agrees_on_the_time_to_collision(tmp_path: Path, net: Path, foe: proxy.Foe) -> None:

@@ -49,6 +49,7 @@ def quick_run(script: str, out: Path) -> tuple[subprocess.CompletedProcess[str],
     return run(f"{script}.py", "--quick", "--out", str(folder)), folder
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize(
     "script",
@@ -84,6 +85,7 @@ def test_bars_are_collected_from_all_sections_at_the_end() -> None:
     assert done.stdout.count("bar: ") == count
 
 
+@pytest.mark.long
 @pytest.mark.skipif(importlib.util.find_spec("casadi") is None, reason="casadi is not installed")
 def test_the_non_linear_program_has_our_optimum(out: Path) -> None:
     done, folder = quick_run("other_methods", out)
@@ -97,6 +99,7 @@ def test_the_non_linear_program_has_our_optimum(out: Path) -> None:
     assert found["agreement"]["cost_relative"] < 1e-4
 
 
+@pytest.mark.long
 def test_a_method_that_is_not_installed_is_skipped_in_one_line(tmp_path: Path) -> None:
     # Imported first: what the script itself needs has to be found.
     code = (

@@ -13,6 +13,7 @@ SEED = 1
 ALL_KINDS = len(DISTURBANCES)
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize("rounds", [1, pytest.param(ALL_KINDS, marks=pytest.mark.slow)])
 def test_a_disturbed_batch_is_finished_like_an_undisturbed_one(rounds: int, tmp_path: Path) -> None:

@@ -57,6 +57,7 @@ def test_the_same_perceptions_give_the_same_answers_whatever_another_object_is_a
     contract.check_determinism(_brief(name))
 
 
+@pytest.mark.long
 @every_controller
 def test_a_second_run_is_like_the_first(name: str) -> None:
     contract.check_runs(_brief(name))

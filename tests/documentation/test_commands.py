@@ -48,6 +48,7 @@ def work_off(page: str, folder: Path, commands: list[Command], slow: bool) -> No
             assert (folder / name).exists(), f"{page}: its commands do not make {name}"
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize("page", QUICK_PAGES)
 def test_the_quick_commands_of_a_text_work(page: str, folder: Path) -> None:

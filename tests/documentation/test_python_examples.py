@@ -44,6 +44,7 @@ LONG, BRIEF = (
 """The same of the notebook."""
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize("page", SHORTER)
 def test_the_blocks_of_a_page_run_one_after_the_other(
@@ -72,6 +73,7 @@ def test_the_blocks_of_a_page_run_one_after_the_other(
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_notebook_runs_and_its_page_is_of_the_same_cells(tmp_path: Path) -> None:
     source = (ROOT / "docs" / notebook.SOURCE).read_text("utf-8")

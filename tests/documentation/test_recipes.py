@@ -14,6 +14,8 @@ import pytest
 
 from tests.documentation.command_blocks import ROOT
 
+pytestmark = pytest.mark.long
+
 PACKAGES = ("cosim", "controllers", "analysis", "sumo_scenarios", "studies", "tests")
 FILE = re.compile(r"^`([\w.]+)`[^\n]*:\n\n```\w+\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 LINE = re.compile(

@@ -16,6 +16,8 @@ from playwright.sync_api import Page
 from tests.browsers import started
 from tests.documentation.command_blocks import ROOT
 
+pytestmark = pytest.mark.long
+
 LOADED = re.compile(
     r"<(?:script|img|iframe|source)\b[^>]*\bsrc=[\"']?([^\"'> ]+)"
     r"|<link\b(?=[^>]*\brel=[\"']?(?:stylesheet|icon|preconnect|preload))[^>]*\bhref=[\"']?([^\"'> ]+)"

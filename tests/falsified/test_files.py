@@ -33,6 +33,7 @@ def test_every_folder_is_in_a_suite() -> None:
     assert folders
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_what_is_mended_stays_mended(tmp_path: Path) -> None:
     suite = Path(__file__).parent / "vo_mpc" / "seed-9301.toml"

@@ -33,6 +33,7 @@ def fuzzed(request: pytest.FixtureRequest) -> tuple[int, str]:
     return count, done.stdout
 
 
+@pytest.mark.long
 def test_cases_with_mistakes_behave(fuzzed: tuple[int, str]) -> None:
     count, told = fuzzed
     assert f"{count} of {count} behaved" in told
@@ -40,6 +41,7 @@ def test_cases_with_mistakes_behave(fuzzed: tuple[int, str]) -> None:
         assert f"  {kind} " in told
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["scenario", "tracks", "study", "criteria", "sumo"])
 def test_files_without_a_mistake_are_taken(kind: str, fuzzed: tuple[int, str]) -> None:
     assert f"  without a mistake: {kind}: exit 0\n" in fuzzed[1]

@@ -47,12 +47,14 @@ def drawn() -> dict[str, str]:
     return pictures()
 
 
+@pytest.mark.long
 def test_the_committed_pictures_are_those_of_the_code(drawn: dict[str, str]) -> None:
     for name, picture in drawn.items():
         committed = (PROJECT / "docs/images" / name).read_text("utf-8")
         assert committed == picture, f"docs/images/{name} shows an earlier version of the code: make pictures"
 
 
+@pytest.mark.long
 def test_every_package_and_sub_package_is_in_the_picture_of_the_rooms(drawn: dict[str, str]) -> None:
     words = {word for text in re.findall(r"<text[^>]*>([^<]*)", drawn["rooms.svg"]) for word in text.split()}
     for package in ("cosim", "controllers", "analysis", "studies"):
@@ -60,6 +62,7 @@ def test_every_package_and_sub_package_is_in_the_picture_of_the_rooms(drawn: dic
     assert "sumo_scenarios" in words
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["rooms.svg", "step.svg"])
 def test_no_box_covers_another(drawn: dict[str, str], name: str) -> None:
     number = r"([\d.]+)"

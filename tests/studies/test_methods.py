@@ -97,6 +97,7 @@ def test_the_page_says_the_answer_first_and_what_it_rests_on(tmp_path: Path) -> 
         write_page(tmp_path / "nothing", page)
 
 
+@pytest.mark.long
 def test_a_page_counts_what_was_driven_elsewhere_under_the_same_conditions(tmp_path: Path) -> None:
     met, few = {"min_ttc_s": 2.0}, {"pedestrians_per_hour": 100.0}
     page, here, there = tmp_path / "page.md", tmp_path / "here", tmp_path / "there"
@@ -258,6 +259,7 @@ def test_the_levels_of_every_study_file_are_run_one_after_the_other(tmp_path: Pa
     assert sum(json.loads((tmp_path / "plan.json").read_text())["runs"].values()) == 3 * (5 * 15 + 1)
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_network_that_nobody_tuned_for_is_the_same_at_every_level(tmp_path: Path) -> None:
     made = studies(tmp_path, [Path("untuned_network")], LEVELS, seeds=None)

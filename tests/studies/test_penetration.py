@@ -15,6 +15,7 @@ from studies.penetration.page import write_page
 from tests.cosim.batches.studies import batch, write_study
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_page_splits_egos_and_others_over_the_share(tmp_path: Path) -> None:
     study = write_study(

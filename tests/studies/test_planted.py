@@ -32,6 +32,7 @@ def screened(seed: int, factor: float, runs: int = 2 * RUNS) -> list[Replication
     )
 
 
+@pytest.mark.long
 def test_a_much_worse_crossing_is_found_in_nearly_every_replication() -> None:
     found = [one for seed in range(20) for one in screened(seed, 4.0)]
     assert len(found) == 40
@@ -40,6 +41,7 @@ def test_a_much_worse_crossing_is_found_in_nearly_every_replication() -> None:
     assert {one.pedestrians for one in found} == {80.0}
 
 
+@pytest.mark.long
 def test_an_equal_crossing_is_found_as_seldom_as_any_other() -> None:
     found = [one for seed in range(20) for one in screened(seed, 1.0)]
     assert sum(one.found for one in found) <= 8, "a twentieth is expected"

@@ -73,6 +73,7 @@ def test_a_sensing_is_compared_with_onboard_seed_by_seed(tmp_path: Path) -> None
     assert against(soon, onboard, "contacts").startswith("-0.38")
 
 
+@pytest.mark.long
 def test_the_page_keeps_what_stands_above_its_tables(tmp_path: Path) -> None:
     study, page = _study(tmp_path / "study"), tmp_path / "page.md"
     page.write_text("# Title\n\nWhat we read in it.\n\n## Tables\n\nstale numbers\n")

@@ -15,6 +15,8 @@ from studies.zoo.__main__ import main
 from studies.zoo.catalog import QUICK, chosen
 from studies.zoo.driving import RESULTS, TOWN
 
+pytestmark = pytest.mark.long
+
 SEED = 1
 SMALL = ("grid-short", "grid-left-hand", "random-short", "roundabouts", "refuges", "rilsa1")
 OTHERS = tuple(name for name in QUICK if name not in SMALL)

@@ -28,6 +28,7 @@ CROSSINGS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", names())
 def test_vehicles_move_and_pedestrians_cross(name: str, tmp_path: Path) -> None:
     import libsumo

@@ -61,6 +61,7 @@ def test_after_a_reaction_time_more_deceleration_is_needed() -> None:
     assert found[0] == pytest.approx(2.4990, abs=5e-5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("judge", "count", "bound"),
     [
@@ -88,6 +89,7 @@ def test_the_deceleration_is_what_a_search_over_braking_finds() -> None:
     assert found.largest <= 1e-6
 
 
+@pytest.mark.long
 @settings(max_examples=300, deadline=None)
 @given(near, near, slow, slow, st.floats(-np.pi, np.pi), near, near)
 def test_turning_and_moving_the_world_changes_nothing(

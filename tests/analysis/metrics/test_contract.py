@@ -145,6 +145,7 @@ assert "| `gap_mean_m` | number | m | mean of it |" in render()
 """
 
 
+@pytest.mark.long
 def test_one_file_is_all_that_a_metric_needs(tmp_path: Path) -> None:
     folder = write_run(tmp_path / "run", [Ego(line(0, 0, 10, 0))], [Person(line(32.5, -5, 0, 1.25))])
     (tmp_path / "files").mkdir()

@@ -22,7 +22,7 @@ from tests.browsers import started
 CONTROLLERS = ("sumo", "vo_mpc")
 SECONDS = ["--set", "warmup_s=30", "--set", "duration_s=70"]
 
-pytestmark = [pytest.mark.sumo, pytest.mark.browser]
+pytestmark = [pytest.mark.sumo, pytest.mark.browser, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from tests.analysis.page.criteria_files import write_criteria
 from tests.analysis.study.study_folders import write_study_run
 from tests.browsers import started
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.long]
 CONTROLLERS = ("sumo", "vo_mpc", "drivable_area", "potential_field", "careful_driver", "pred_mpc_direction")
 CRITERIA = PRINTED["criteria"] + 17
 EACH = 9

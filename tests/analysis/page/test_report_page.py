@@ -80,6 +80,7 @@ def eventful(tmp_path_factory: pytest.TempPathFactory) -> tuple[Written, Markup]
     return done, page
 
 
+@pytest.mark.long
 def test_the_page_is_well_formed_and_loads_nothing(study: tuple[Path, Markup, str]) -> None:
     _, page, text = study
     assert page.problems == []
@@ -90,10 +91,12 @@ def test_the_page_is_well_formed_and_loads_nothing(study: tuple[Path, Markup, st
     assert page.elements["figure"] == 6
 
 
+@pytest.mark.long
 def test_the_page_of_a_simulation_says_what_validation_says(study: tuple[Path, Markup, str]) -> None:
     assert html.escape(SENTENCE, quote=False).replace("'", "&#39;") in study[2]
 
 
+@pytest.mark.long
 def test_the_first_line_is_the_question_and_the_answer_of_cosim_compare(
     study: tuple[Path, Markup, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -103,6 +106,7 @@ def test_the_first_line_is_the_question_and_the_answer_of_cosim_compare(
     assert capsys.readouterr().out.splitlines()[0] in page.texts
 
 
+@pytest.mark.long
 def test_the_worst_encounter_comes_first_with_its_folder_and_number(study: tuple[Path, Markup, str]) -> None:
     _, _, text = study
     rows = text.split("<tr data-key=")[1:]
@@ -116,6 +120,7 @@ def test_the_worst_encounter_comes_first_with_its_folder_and_number(study: tuple
     assert ranks == ["serious"] + ["slight"] * 6 + ["none"] * 12
 
 
+@pytest.mark.long
 def test_without_tables_beside_the_runs_the_page_writes_those_it_shows(
     study: tuple[Path, Markup, str],
 ) -> None:
@@ -131,6 +136,7 @@ def test_without_tables_beside_the_runs_the_page_writes_those_it_shows(
     assert "report_data/configs.csv" in text
 
 
+@pytest.mark.long
 def test_tables_of_a_batch_are_used_only_while_they_are_of_these_runs(tmp_path: Path) -> None:
     from analysis.study.runs import find_run_folders
     from analysis.study.writing import write_tables
@@ -146,6 +152,7 @@ def test_tables_of_a_batch_are_used_only_while_they_are_of_these_runs(tmp_path: 
     assert "<code>report_data/configs.csv</code>" in text
 
 
+@pytest.mark.long
 def test_an_encounter_without_recording_says_so_and_names_the_command(
     eventful: tuple[Written, Markup],
 ) -> None:
@@ -159,12 +166,14 @@ def test_an_encounter_without_recording_says_so_and_names_the_command(
     assert not any("▶ Replay" in text for text in page.texts)
 
 
+@pytest.mark.long
 def test_invalid_and_failed_runs_are_named_with_their_reason(eventful: tuple[Written, Markup]) -> None:
     _, page = eventful
     for text in ("runs/sumo-9", "ego_0 was teleported", "road-sumo-10", "time-out after 600 s", "6 of 8"):
         assert text in page.texts
 
 
+@pytest.mark.long
 def test_criteria_show_what_decides_first(eventful: tuple[Written, Markup]) -> None:
     _, page = eventful
     order = [page.texts.index(name) for name in ("too near", "told only", "kept away")]
@@ -175,6 +184,7 @@ def test_criteria_show_what_decides_first(eventful: tuple[Written, Markup]) -> N
     assert "does not count" in page.texts
 
 
+@pytest.mark.long
 def test_one_run_is_told_in_numbers_and_compared_with_nobody(tmp_path: Path) -> None:
     folder = write_study_run(tmp_path / "alone", "sumo", 1, encounters=[WORST, *OTHERS])
     _, page, _ = written(folder)
@@ -188,6 +198,7 @@ def test_one_run_is_told_in_numbers_and_compared_with_nobody(tmp_path: Path) -> 
     assert "Comparisons" not in page.texts
 
 
+@pytest.mark.long
 def test_a_contact_with_the_standing_ego_is_told_beside_the_collisions(tmp_path: Path) -> None:
     folder = write_study_run(
         tmp_path / "alone",
@@ -201,6 +212,7 @@ def test_a_contact_with_the_standing_ego_is_told_beside_the_collisions(tmp_path:
     assert values == ["0", "1"]
 
 
+@pytest.mark.long
 def test_each_collision_says_where_it_was_and_whether_a_careful_driver_prevents_it(tmp_path: Path) -> None:
     hit = {"collision": True, "severity": "collision", "contact_place": "carriageway"}
     folder = write_study_run(
@@ -219,6 +231,7 @@ def test_each_collision_says_where_it_was_and_whether_a_careful_driver_prevents_
     assert values == ["2", "1"]
 
 
+@pytest.mark.long
 def test_every_controller_has_its_own_row_of_tiles_and_nothing_is_added_up(tmp_path: Path) -> None:
     hit = {"collision": True, "severity": "collision"}
     for name, encounters in (("sumo", [hit, hit]), ("careful", [{"entered": False}, OTHERS[1]])):
@@ -235,6 +248,7 @@ def test_every_controller_has_its_own_row_of_tiles_and_nothing_is_added_up(tmp_p
     assert [(tile["encounters"], tile["of them entered"]) for tile in tiles] == [("2", "1"), ("2", "2")]
 
 
+@pytest.mark.long
 def test_terms_and_measures_lead_to_their_definition_on_the_page(study: tuple[Path, Markup, str]) -> None:
     _, _, text = study
     leading = set(re.findall(r'href="#((?:term|def)-[^"]+)"', text))
@@ -260,6 +274,7 @@ def test_a_small_difference_is_not_shown_as_none() -> None:
     assert shown(0.0004, rate, "+") == "+0.0004"
 
 
+@pytest.mark.long
 def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
     name = "<script>alert(1)</script>"
     write_study_run(tmp_path / "study/runs/a", "sumo", 1, scenario=name, encounters=[WORST])
@@ -269,6 +284,7 @@ def test_names_from_files_are_text_and_not_markup(tmp_path: Path) -> None:
     assert name not in text
 
 
+@pytest.mark.long
 def test_the_same_runs_give_the_same_bytes(study: tuple[Path, Markup, str], tmp_path: Path) -> None:
     assert written(write_study(tmp_path / "elsewhere" / "study"))[2] == study[2]
 

@@ -96,6 +96,7 @@ def test_every_axis_has_a_unit_or_shares_one(tmp_path: Path) -> None:
         assert all("[" in text and "]" in text for text in texts), texts
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["png", "svg"])
 def test_the_same_run_gives_the_same_bytes(tmp_path: Path, kind: str) -> None:
     case = meeting(tmp_path / "run")
@@ -109,6 +110,7 @@ def test_the_same_run_gives_the_same_bytes(tmp_path: Path, kind: str) -> None:
         assert str(tmp_path).encode() not in one.read_bytes()
 
 
+@pytest.mark.long
 def test_a_name_with_a_slash_makes_no_folder_and_an_ego_that_meets_nobody_is_drawn(tmp_path: Path) -> None:
     files = draw_figures(choose(meeting(tmp_path / "run"), "far/away", None), tmp_path / "out", "svg")
     assert [path.parent for path in files] == [tmp_path / "out"] * 3

@@ -67,6 +67,7 @@ def parts_of(folder: Path, monkeypatch: pytest.MonkeyPatch, at_once: int = 400) 
     return [part.run for part in Rides(read_rides(folder), Thresholds()).parts()]
 
 
+@pytest.mark.long
 def test_of_who_stands_a_part_holds_no_more_rows_the_longer_it_stood(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -103,6 +104,7 @@ def test_tracks_without_repeated_rows_are_those_of_all_rows(
     assert seen == set(whole)
 
 
+@pytest.mark.long
 def test_a_jammed_run_judged_in_parts_gives_the_same_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -120,6 +122,7 @@ def test_a_jammed_run_judged_in_parts_gives_the_same_bytes(
     assert any(row["kind"] == "crossing" and row["pet_s"] for row in conflicts)
 
 
+@pytest.mark.long
 def test_row_groups_are_read_once_for_all_who_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     jammed_run(tmp_path, 160.0, walks=False)
     groups = pq.ParquetFile(tmp_path / NEIGHBOURS.file).num_row_groups

@@ -68,6 +68,7 @@ def test_undefined_values_are_empty_cells_and_booleans_are_0_or_1(report: RunRep
                     assert row[column.name] in ("", "0", "1")
 
 
+@pytest.mark.long
 def test_frictionless_finds_the_data_package_valid(
     report: RunReport, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -80,6 +81,7 @@ def test_frictionless_finds_the_data_package_valid(
     assert result.valid, result.flatten(["type", "rowNumber", "fieldName", "message"])
 
 
+@pytest.mark.long
 def test_frictionless_finds_a_wrong_cell(
     report: RunReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

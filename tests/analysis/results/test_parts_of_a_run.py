@@ -75,6 +75,7 @@ def add_sensing(folder: Path) -> None:
     (folder / "run.json").write_text(json.dumps(meta | {"sensing": "onboard"}))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sensing", [False, True])
 def test_a_run_judged_in_parts_gives_the_same_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sensing: bool

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,6 +59,7 @@ def test_our_own_readers_have_the_ids_of_the_recording(tmp_path: Path) -> None:
     assert {one["scenario_id"] for one in tables.configs} == {SCENARIO}
 
 
+@pytest.mark.long
 @given(st.text() | st.from_regex(r"[-=+@\t'].*") | st.floats().map(str))
 def test_a_text_comes_back_and_a_number_is_untouched(text: str) -> None:
     assert as_given(harmless(text)) == text

@@ -127,6 +127,7 @@ def long_recording(folder: Path) -> None:
     pq.write_table(table, folder / TRAFFIC.file, row_group_size=40)
 
 
+@pytest.mark.long
 def test_a_recording_judged_in_parts_gives_the_same_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

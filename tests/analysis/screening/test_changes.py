@@ -55,6 +55,7 @@ def changed(rows: Sequence[Row], metric: str = "conflicts_per_1000_ped") -> list
     return [row["crossing_id"] for row in rows if row["changed"] and row["metric"] == metric]
 
 
+@pytest.mark.long
 def test_the_crossing_that_became_safer_is_found_and_hardly_another() -> None:
     safer = RATES.copy()
     safer[7] *= 0.1

@@ -27,6 +27,7 @@ def simulated(seed: int, factor: float) -> Ranking:
     return ranked(rng.poisson(rates * walks).astype(np.float64), walks, 30.0)
 
 
+@pytest.mark.long
 def test_a_planted_crossing_ranks_first_with_an_interval_that_says_so() -> None:
     found = [simulated(seed, 3.0) for seed in range(50)]
     assert sum(one.rank[7] == 1.0 for one in found) >= 45
@@ -34,6 +35,7 @@ def test_a_planted_crossing_ranks_first_with_an_interval_that_says_so() -> None:
     assert np.mean([one.rank_high[7] - one.rank_low[7] for one in found]) < 3.0
 
 
+@pytest.mark.long
 def test_among_equal_crossings_few_are_called_worse_and_ranks_are_uncertain() -> None:
     found = [simulated(seed, 1.0) for seed in range(50)]
     assert np.mean([(one.p_worse < 0.05).mean() for one in found]) <= 0.05
@@ -76,6 +78,7 @@ def test_few_walks_are_drawn_to_the_mean_and_many_are_believed() -> None:
     assert many == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [2_000, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_thousands_of_crossings_are_ranked_and_few_of_them_called_worse_for_nothing(count: int) -> None:
     """Two thousand are more than one block of percentiles and more than one of resamples."""
@@ -100,6 +103,7 @@ def with_speeds(seed: int, factor: float, by: str) -> Ranking:
     return rank(Counted(conflicts, walks, Risks(total, 2.0 * means**2 * met, met)), 30.0, by)
 
 
+@pytest.mark.long
 def test_a_crossing_with_faster_vehicles_ranks_first_by_risk_and_not_by_conflicts() -> None:
     found = [with_speeds(seed, 4.0, BY_RISK) for seed in range(50)]
     assert sum(one.rank[7] == 1.0 for one in found) >= 45
@@ -110,6 +114,7 @@ def test_a_crossing_with_faster_vehicles_ranks_first_by_risk_and_not_by_conflict
     assert (other.rank == other.ranks[BY_CONFLICTS]).all()
 
 
+@pytest.mark.long
 def test_among_equal_speeds_few_crossings_are_called_worse_and_none_is_believed_to_be_deadlier() -> None:
     found = [with_speeds(seed, 1.0, BY_RISK) for seed in range(50)]
     assert np.mean([(one.p_worse < 0.05).mean() for one in found]) <= 0.05

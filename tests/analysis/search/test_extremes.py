@@ -23,6 +23,7 @@ def margins(probability: float, count: int, seed: int) -> FloatArray:
     return np.array([squashed(one) for one in distances])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("probability", [0.01, 0.001])
 def test_most_intervals_hold_the_probability_of_a_tail_that_is_of_this_kind(probability: float) -> None:
     found = [extrapolated(margins(probability, 2000, seed), seed) for seed in range(20)]

@@ -22,6 +22,7 @@ def plane(probability: float) -> Callable[[FloatArray], FloatArray]:
     return lambda inputs: np.asarray(distance - inputs.sum(axis=1) / math.sqrt(DIMENSION))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "probability"), [("crude", 0.02), ("subset", 1e-4), ("importance", 1e-5)])
 def test_most_intervals_hold_a_known_probability(method: str, probability: float) -> None:
     found = [
@@ -37,6 +38,7 @@ def test_most_intervals_hold_a_known_probability(method: str, probability: float
         assert one.variation <= 0.3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_gives_the_same_estimate(method: str) -> None:
     first, second, other = (
@@ -65,6 +67,7 @@ def test_importance_sampling_needs_less_than_a_hundredth_of_the_runs_of_crude_sa
     assert found.runs < 0.01 / (1e-5 * 0.3**2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["subset", "importance"])
 def test_intervals_hold_what_has_two_regions(method: str) -> None:
     distance = -norm.ppf(0.5e-5)

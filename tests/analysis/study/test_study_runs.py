@@ -16,6 +16,7 @@ from tests.analysis.study.study_folders import write_study_run
 FILES = ("runs.csv", "encounters.csv", "configs.csv", "comparisons.csv", "datapackage.json")
 
 
+@pytest.mark.long
 def test_a_run_that_cannot_be_read_is_left_out_and_named(folders: list[Path], tmp_path: Path) -> None:
     write_tables(tmp_path / "without", folders[1:], None)
     for damage in ("[]", '{"seed": "one"}', "{"):

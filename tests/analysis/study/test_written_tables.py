@@ -19,6 +19,7 @@ from tests.analysis.study.study_tables import only, read, tables
 FILES = ("runs.csv", "encounters.csv", "configs.csv", "comparisons.csv", "datapackage.json")
 
 
+@pytest.mark.long
 def test_the_same_runs_give_the_same_bytes_in_any_order(folders: list[Path], tmp_path: Path) -> None:
     one, other = tmp_path / "one", tmp_path / "other"
     write_tables(one, folders, "sumo")
@@ -60,6 +61,7 @@ def test_a_file_has_the_columns_of_the_schema_and_its_rows_are_sorted(written: P
     assert all(cell not in ("nan", "inf", "None", "True") for row in rows for cell in row)
 
 
+@pytest.mark.long
 def test_frictionless_finds_the_tables_of_analysed_runs_valid(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -28,12 +28,14 @@ def few(seen: Observed, passing: list[float], arrival: float, entry: float) -> O
     return replace(seen, vehicles=vehicles.sort_values(["id", "time_s"], ignore_index=True), people=walk)
 
 
+@pytest.mark.long
 def test_gaps_are_from_arrival_to_the_first_vehicle_and_from_vehicle_to_vehicle(seen: Observed) -> None:
     offered = gaps(few(seen, [12.0, 14.5, 21.0], arrival=10.0, entry=14.6))
     assert offered["gap_s"].tolist() == pytest.approx([2.0, 2.5, 6.5], abs=0.02)
     assert offered["accepted"].tolist() == [0.0, 0.0, 1.0]
 
 
+@pytest.mark.long
 def test_a_gap_without_a_next_vehicle_and_a_signal_tell_nothing(seen: Observed) -> None:
     assert len(gaps(few(seen, [12.0], arrival=10.0, entry=13.0))) == 1
     signal = replace(planted.CROSSING, crossing_kind="signal")
@@ -67,6 +69,7 @@ def test_a_fit_that_does_not_converge_is_undefined() -> None:
     assert gap.method == "the fit did not converge"
 
 
+@pytest.mark.long
 def test_planted_parameters_are_found(seen: Observed) -> None:
     found = estimates(seen)
     assert found["critical_gap"].value == pytest.approx(planted.CRITICAL_GAP_S, abs=0.8)

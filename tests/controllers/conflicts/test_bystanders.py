@@ -250,6 +250,7 @@ def _passed(gap: float, lane_width: float, duration: float = 30.0) -> Ride:
     )
 
 
+@pytest.mark.long
 def test_people_on_both_sides_are_passed_at_the_speed_allowed_not_slower_and_slower() -> None:
     """8 m beside them at 1 m/s; an ego that waited for their end to come nearer took 28 s."""
     side = 0.5 * BODY.width + 0.25 + 0.2
@@ -261,6 +262,7 @@ def test_people_on_both_sides_are_passed_at_the_speed_allowed_not_slower_and_slo
     assert record.arrival(25.0) < 19.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gap", [0.2, 0.35, 0.5])
 def test_somebody_who_stands_in_the_lane_is_passed_slowly(gap: float) -> None:
     """The lane is too narrow to keep away from the pedestrian."""
@@ -272,6 +274,7 @@ def test_somebody_who_stands_in_the_lane_is_passed_slowly(gap: float) -> None:
     assert record.arrival(90.0) < 29.0
 
 
+@pytest.mark.long
 def test_it_keeps_away_from_somebody_who_stands_in_the_lane() -> None:
     record = _passed(0.35, 3.5)
     assert record.clearance() > 0.6

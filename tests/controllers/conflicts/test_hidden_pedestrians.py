@@ -76,6 +76,7 @@ def _inner_tangent(eye: tuple[float, float], middle: tuple[float, float], side: 
     return LineString([eye, (eye[0] + reach * np.cos(angle), eye[1] + reach * np.sin(angle))])
 
 
+@pytest.mark.long
 @settings(max_examples=600, deadline=None)
 @given(
     along=st.floats(10.0, 70.0),
@@ -177,6 +178,7 @@ def test_where_a_unit_watches_is_known_wherever_the_road_leads(across: float, co
     assert _least_range(across, course) == pytest.approx(straight_east, abs=2e-3)
 
 
+@pytest.mark.long
 @settings(max_examples=200, deadline=None)
 @given(
     side=st.floats(0.3, 4.0),
@@ -244,6 +246,7 @@ def _near(record: Ride) -> float:
     return float(record.track[2][np.flatnonzero(record.track[0] > 80.0)[0]])
 
 
+@pytest.mark.long
 def test_the_ego_slows_down_beside_a_bus_only_when_it_counts_on_somebody() -> None:
     careful, careless = _past_the_bus(None), _past_the_bus(None, hidden_speed_mps=0.0)
     assert _near(careless) > 12.5
@@ -266,6 +269,7 @@ def test_who_steps_out_may_be_hit_by_the_careless_and_never_by_the_careful() -> 
     assert hit["careful"] == 0
 
 
+@pytest.mark.long
 def test_with_perfect_sensing_nothing_changes_by_a_bit() -> None:
     """A bus, and somebody who steps out from behind it, known to the ego all the time."""
 

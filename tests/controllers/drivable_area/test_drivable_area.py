@@ -49,6 +49,7 @@ def test_without_pedestrians_it_drives_as_a_driver_without_them_does() -> None:
     np.testing.assert_array_equal(ours.commands, other.commands)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("start", "distance"),
     [(-6.0, 25.0), (-4.0, 45.0), (-2.5, 25.0), (-2.5, 45.0), (1.0, 45.0), (4.0, 25.0)],
@@ -73,12 +74,14 @@ def test_somebody_at_the_edge_of_the_way_is_driven_round_and_the_lane_taken_agai
     assert ride.plans[-1].overlay == {}
 
 
+@pytest.mark.long
 def test_to_the_weights_of_the_paper_standing_still_is_best() -> None:
     ride = _ride(WIDE, [BESIDE], speed=12.0, lane=1, duration=9.0, parameters={"progress_weight": 0.0})
     assert ride.clearance() > 0.6
     assert ride.track[2].min() < 0.5
 
 
+@pytest.mark.long
 def test_where_no_candidate_stops_in_time_full_braking_still_may() -> None:
     late = walk(FRONT + 13.0, 3.5 - 1.2, 0.0, 0.4)
     ride = _ride(WIDE, [late], speed=12.0, lane=1, duration=6.0)
@@ -87,6 +90,7 @@ def test_where_no_candidate_stops_in_time_full_braking_still_may() -> None:
     assert braked.clearance() < 0.0 < ride.clearance()
 
 
+@pytest.mark.long
 def test_beside_traffic_it_does_not_swerve_into_it() -> None:
     left = [walk(x, 7.0, 12.0, 0.0) for x in (-12.0, -3.0, 6.0, 15.0, 24.0)]
     free, hemmed = (_ride(WIDE, [BESIDE], cars, speed=12.0, lane=1, duration=6.0) for cars in ([], left))
@@ -95,12 +99,14 @@ def test_beside_traffic_it_does_not_swerve_into_it() -> None:
     assert hemmed.clearance() > 0.3
 
 
+@pytest.mark.long
 def test_it_stays_on_the_road() -> None:
     late = walk(FRONT + 12.0, 1.0, 0.0, -0.3)
     ride = _ride(NARROW, [late], speed=11.0, duration=6.0)
     assert np.abs(ride.track[1]).max() + 0.9 < 1.75
 
 
+@pytest.mark.long
 def test_a_crowd_on_a_zebra_is_not_touched() -> None:
     drawn = np.random.default_rng(5)
     crowd = [
@@ -113,6 +119,7 @@ def test_a_crowd_on_a_zebra_is_not_touched() -> None:
     assert ride.track[0, -1] > 60.0
 
 
+@pytest.mark.long
 def test_with_pedestrians_and_traffic_on_several_lanes_nobody_is_touched() -> None:
     crowd = [walk(45.0 + 12.0 * i, -4.0 - i, 0.0, 1.2) for i in range(5)]
     vehicles = [walk(30.0, 3.5, 9.0, 0.0), walk(-15.0, 3.5, 11.0, 0.0), walk(25.0, 0.0, 9.0, 0.0)]
@@ -121,6 +128,7 @@ def test_with_pedestrians_and_traffic_on_several_lanes_nobody_is_touched() -> No
     assert ride.distance_to_vehicles() > 0.2
 
 
+@pytest.mark.long
 def test_walkers_who_keep_off_by_social_force_are_not_touched_either() -> None:
     ego = Plant(Body(), CAR_DRIVE, 0.0, 0.0, 0.0, 12.0)
     crowd = []
@@ -132,6 +140,7 @@ def test_walkers_who_keep_off_by_social_force_are_not_touched_either() -> None:
     assert ride.clearance() > 0.25
 
 
+@pytest.mark.long
 def test_nobody_standing_beside_the_lane_holds_it_up_for_ever() -> None:
     ride = _ride(WIDE, [walk(40.0, -2.2, 0.0, 0.0)], duration=20.0)
     assert ride.clearance() > 0.3
@@ -196,6 +205,7 @@ def test_the_seed_decides_the_draws_and_nothing_else_does() -> None:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("entropy", "speed_risk"),
     [
@@ -213,6 +223,7 @@ def test_every_mode_gets_past_somebody(entropy: str, speed_risk: str) -> None:
     assert ride.clearance() > 0.25
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("interval", [0.05, 0.5, 1.0])
 def test_plans_of_any_length_keep_clear(interval: float) -> None:
     world = ToyWorld(

@@ -11,7 +11,7 @@ import pytest
 import cosim
 from tests.documentation.command_blocks import fences
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 PAGE = "docs/outside-controllers.md"
 
 

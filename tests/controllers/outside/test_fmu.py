@@ -175,6 +175,7 @@ def test_without_fmpy_the_command_is_told(built: Path, monkeypatch: pytest.Monke
         Unit(built / "Acc.fmu")
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_unit_drives_in_sumo_and_gives_the_same_bytes_twice(built: Path, tmp_path: Path) -> None:
     settings = {"duration_s": 10.0, "warmup_s": 5.0, "ego_count": 1}

@@ -93,6 +93,7 @@ def test_answers_to_earlier_steps_do_not_put_off_the_deadline(
     assert [ask(one).status for _ in range(4)][2:] == ["ok", LATE]
 
 
+@pytest.mark.long
 def test_a_program_that_hangs_is_given_up_after_the_patience(build: Callable[..., ProcessController]) -> None:
     one = build("hangs", deadline_ms=100.0, patience_s=0.25)
     begun = time.monotonic()
@@ -116,6 +117,7 @@ def test_what_a_program_does_wrong_is_one_line(
     assert said in fails(build(behaviour))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("behaviour", "said"),
     [
@@ -140,6 +142,7 @@ def test_a_program_that_is_not_there_is_one_line(name: str, said: str) -> None:
         catalog.build(name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("behaviour", ["good", "stays"])
 def test_no_program_outlives_its_controller(behaviour: str, build: Callable[..., ProcessController]) -> None:
     one = build(behaviour)
@@ -158,6 +161,7 @@ def test_without_msgpack_the_command_is_told(
         build("packed")
 
 
+@pytest.mark.long
 def test_every_message_fits_the_published_schema() -> None:
     schema = messages.schema()
     for scene in golden().values():

@@ -84,6 +84,7 @@ def test_it_goes_round_somebody_who_stands_beside_the_middle_of_its_lane() -> No
     assert all(plan.solved for plan in record.plans)
 
 
+@pytest.mark.long
 def test_it_stops_for_who_walks_where_no_way_past_is_free() -> None:
     walls = [walk(60.0, y, 0.0, 0.0) for y in np.arange(-1.5, 6.0, 1.0)]
     record = drive(ROAD, walls, speed=14.0, duration=12.0)
@@ -96,6 +97,7 @@ def test_it_stops_for_who_walks_where_no_way_past_is_free() -> None:
 NARROW = ToyRoad(lanes=1, lane_width=3.25, speed_limit=13.9)
 
 
+@pytest.mark.long
 def test_on_a_road_too_narrow_to_go_round_it_combines_braking_with_steering() -> None:
     """The paper's constant speed leaves no free way there, so that it could only stop."""
     crossing = [walk(55.0, -5.5, 0.0, 1.5)]
@@ -113,6 +115,7 @@ def test_on_a_road_too_narrow_to_go_round_it_combines_braking_with_steering() ->
     assert_on_the_road(combined, NARROW)
 
 
+@pytest.mark.long
 def test_steady_braking_is_no_way_past_somebody_who_stays() -> None:
     record = drive(NARROW, [walk(60.0, 0.2, 0.0, 0.0)], speed=12.0, duration=12.0)
     assert record.track[2, -1] < 0.1
@@ -120,6 +123,7 @@ def test_steady_braking_is_no_way_past_somebody_who_stays() -> None:
     assert not any(plan.own is not None and plan.own.acts for plan in record.plans)
 
 
+@pytest.mark.long
 def test_a_vehicle_beside_keeps_it_in_its_lane() -> None:
     """On the free road it goes into the other lane; with a car there it waits for the pedestrian."""
     blocker = [walk(52.0, 0.3, 0.0, 0.0)]
@@ -163,6 +167,7 @@ def _drawn_walk(
     return walk(x, y, x_speed, y_speed, start, start + width / abs(y_speed))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("count", "seed"), [(2, 1), pytest.param(5, 2, marks=pytest.mark.slow), (20, 1)])
 def test_several_pedestrians_and_traffic_are_survived_on_the_road(count: int, seed: int) -> None:
     road = ToyRoad(lanes=2, lane_width=3.5, speed_limit=13.89, crossings=(ToyCrossing(55.0),))
@@ -191,6 +196,7 @@ def test_any_plan_interval_steers_round_somebody(step: float) -> None:
     assert record.clearance() > 0.2
 
 
+@pytest.mark.long
 def test_the_same_scene_gives_the_same_commands() -> None:
     walkers = [walk(50.0, -2.5, 0.2, 1.2), walk(60.0, 5.5, 0.0, -1.0)]
     first, second = (drive(ROAD, walkers, speed=14.0, duration=4.0) for _ in range(2))

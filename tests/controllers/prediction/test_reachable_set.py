@@ -19,6 +19,7 @@ def _forecast(*walkers: Walker) -> Forecast:
     return reachable_set.build().predict(perception(walkers=walkers), TIMES)
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(pace=st.floats(0.0, 3.5), course=st.floats(0.0, 6.3), seed=st.integers(0, 10_000))
 def test_nobody_leaves_it_whatever_they_do(pace: float, course: float, seed: int) -> None:

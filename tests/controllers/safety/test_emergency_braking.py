@@ -143,6 +143,7 @@ def test_a_standing_vehicle_that_juts_into_the_way_is_braked_for_whichever_way_i
     assert (controller.decide(perception(ego(13.0), cars=[van])).because == "car0") is braked
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=150)
 @given(
     speed=st.floats(0.0, 40.0),

@@ -96,6 +96,7 @@ def test_it_goes_between_two_with_little_room_and_nowhere_without_any() -> None:
     assert free_way.find(perception(ego(speed=0.0)), closed, np.inf) is None
 
 
+@pytest.mark.long
 def test_no_corner_of_a_vehicle_is_overlooked() -> None:
     """Boxes set askew in the way: the distance to each is kept exactly, between the corners too."""
     for turned in np.linspace(0.0, np.pi, 9):

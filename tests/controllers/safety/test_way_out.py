@@ -63,12 +63,14 @@ def test_it_is_taken_after_a_while() -> None:
     assert first.acceleration[0] < 0.0
 
 
+@pytest.mark.long
 def test_the_lane_is_left_for_the_pavement_as_a_last_resort_only() -> None:
     statuses = [plan.status for plan in _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0)]
     assert WAY_OUT not in statuses[: int(10 * LAST_RESORT)]
     assert statuses[-1] == WAY_OUT
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("begins", "soon"), [(BODY.front + 0.5, False), (-1.0, True), (40.0, True)])
 def test_before_a_crossing_a_way_that_does_not_lead_over_it_is_the_last_resort(
     begins: float, soon: bool
@@ -113,6 +115,7 @@ def test_who_was_held_once_and_then_let_go_waits_anew() -> None:
     assert statuses[-1] == WAY_OUT
 
 
+@pytest.mark.long
 def test_the_last_resort_counts_all_the_time_held_since_the_ego_was_under_way() -> None:
     """People who cross ahead of it in between only make it wait for them, and then it is held again."""
     check, statuses = LastCheck(), []
@@ -191,6 +194,7 @@ def test_a_vehicle_that_stands_across_the_lane_before_a_crossing_is_gone_round(a
     assert status == WAY_OUT
 
 
+@pytest.mark.long
 def test_a_queue_is_waited_in_although_the_ego_makes_room_for_somebody_in_its_lane() -> None:
     """Vehicles queue about the lane's centre line, not about the path that the ego has shifted."""
     queue, aside = Car(9.0, 0.0, length=2.0, width=0.7), Walker(4.6, -0.6)
@@ -262,6 +266,7 @@ def test_on_the_way_people_beside_the_body_are_passed_slowly() -> None:
     assert 0.5 * PAST < fastest < PAST + 1e-6
 
 
+@pytest.mark.long
 def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
     """A person stands a metre ahead of the right corner of an ego that starts from a standstill."""
     record = ride(ToyRoad(), [walk(BODY.front + 0.9, -1.05, 0.0, 0.0)], speed=0.0, duration=60.0)

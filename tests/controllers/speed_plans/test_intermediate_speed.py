@@ -104,6 +104,7 @@ def test_at_no_surplus_braking_to_the_obstacle_becomes_falling_back() -> None:
     assert cases == ["5", "1"]
 
 
+@pytest.mark.long
 def test_twenty_thousand_states_end_at_the_gap_and_speed() -> None:
     drawn = np.random.default_rng(20)
     states = drawn.uniform((0.0, 0.0, 0.0), (150.0, TOP, TOP), (20_000, 3)).tolist()
@@ -173,6 +174,7 @@ def test_what_no_braking_avoids_is_said_to_be_unsafe() -> None:
     assert plan_intermediate(Situation(0.3, 3.0, 4.0), LIMITS).safe
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=1000)
 @given(
     gap=st.floats(-20.0, 500.0),

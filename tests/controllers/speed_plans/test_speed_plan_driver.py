@@ -62,6 +62,7 @@ def _crowd(count: int, place: float, seed: int) -> list[Motion]:
     return people
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("variant", "count"),
     [
@@ -235,6 +236,7 @@ def test_a_standing_car_is_driven_round_where_there_is_another_lane() -> None:
     assert record.distance_to_vehicles() > 0.2
 
 
+@pytest.mark.long
 @BOTH
 @pytest.mark.parametrize(
     ("lanes", "step"),
@@ -261,6 +263,7 @@ def test_a_standing_car_is_never_touched_at_low_speed_whatever_the_step(
             assert record.distance_to_vehicles() > 0.05, f"{speed} m/s, {gap} m"
 
 
+@pytest.mark.long
 def test_with_prediction_a_pedestrian_who_leaves_need_not_be_stopped_for() -> None:
     road = ToyRoad(crossings=(ToyCrossing(60.0),))
     walker = [walk(62.0, -6.0, 0.0, 1.0)]
@@ -274,6 +277,7 @@ def test_with_prediction_a_pedestrian_who_leaves_need_not_be_stopped_for() -> No
     assert min(record.clearance() for record in rides) > 0.5
 
 
+@pytest.mark.long
 def test_with_prediction_a_pedestrian_who_stops_after_all_is_stopped_for() -> None:
     road = ToyRoad(crossings=(ToyCrossing(60.0),))
     for stop in np.arange(2.0, 7.0, 1.0):
@@ -305,6 +309,7 @@ def test_what_is_recorded_says_whom_the_plan_is_for() -> None:
     np.testing.assert_allclose(plan.along[-1], 59.0 - record.track[0, 29], atol=0.5)
 
 
+@pytest.mark.long
 def test_the_same_run_twice_is_the_same() -> None:
     road = ToyRoad(crossings=(ToyCrossing(70.0),))
     first, second = (

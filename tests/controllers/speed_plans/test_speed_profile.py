@@ -77,6 +77,7 @@ def test_the_rest_of_a_profile_goes_on_where_it_was(jerky: bool) -> None:
             assert rest.at(time) == pytest.approx((distance - profile.at(begin)[0], speed, acceleration))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("jerky", [False, True])
 def test_the_least_gap_is_the_smallest_of_many(jerky: bool) -> None:
     for _ in range(60):
@@ -103,6 +104,7 @@ def test_mean_accelerations_lead_to_the_speeds_of_the_profile() -> None:
 ACCELERATION = st.floats(-3.0, 2.0)
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=300)
 @given(
     speed=st.floats(8.0, 20.0),

@@ -49,6 +49,7 @@ def both(folder: Path) -> tuple[cosim.Run, cosim.Run]:
     return one, two
 
 
+@pytest.mark.long
 def test_two_runs_in_a_row_are_valid_and_their_tables_are_frames(both: tuple[cosim.Run, cosim.Run]) -> None:
     for one in both:
         assert one.valid, one.invalid_reason
@@ -62,6 +63,7 @@ def test_two_runs_in_a_row_are_valid_and_their_tables_are_frames(both: tuple[cos
     assert (driven - 8.0).abs().max() < 0.5  # what the function asks for is what is driven
 
 
+@pytest.mark.long
 def test_without_encounters_the_columns_have_their_types_all_the_same(folder: Path) -> None:
     alone = cosim.run(
         "midblock_zebra", controller="sumo", out=folder / "alone", pedestrians_per_hour=0, **SHORT
@@ -72,6 +74,7 @@ def test_without_encounters_the_columns_have_their_types_all_the_same(folder: Pa
     assert alone.encounters["collision"].dtype == bool
 
 
+@pytest.mark.long
 def test_a_function_gives_the_same_bytes_twice(both: tuple[cosim.Run, cosim.Run], folder: Path) -> None:
     again = cosim.run("midblock_zebra", controller=towards_eight, out=folder / "again", **SHORT)
     assert again.description["run_id"] == both[1].description["run_id"]
@@ -79,6 +82,7 @@ def test_a_function_gives_the_same_bytes_twice(both: tuple[cosim.Run, cosim.Run]
         assert (again.folder / name).read_bytes() == (both[1].folder / name).read_bytes()
 
 
+@pytest.mark.long
 def test_every_ego_has_an_object_of_its_own(folder: Path) -> None:
     mine = Steady()
     ran = cosim.run("midblock_zebra", controller=mine, out=folder / "object", **SHORT)
@@ -87,6 +91,7 @@ def test_every_ego_has_an_object_of_its_own(folder: Path) -> None:
     assert mine.plans == 0
 
 
+@pytest.mark.long
 def test_a_class_and_a_module_take_parameters(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ran = cosim.run("midblock_zebra", controller=Steady, acceleration_mps2=0.5, out=folder / "class", **SHORT)
     assert ran.description["parameters"]["controller"] == {"acceleration_mps2": 0.5}
@@ -100,6 +105,7 @@ def test_a_class_and_a_module_take_parameters(folder: Path, monkeypatch: pytest.
         cosim.run("midblock_zebra", controller=module, acceleration_mps2="fast", **SHORT)
 
 
+@pytest.mark.long
 def test_runs_are_compared_loaded_and_drawn(both: tuple[cosim.Run, cosim.Run]) -> None:
     found = cosim.compare(both, alt="towards_eight")
     assert str(found).startswith("towards_eight against sumo on midblock_zebra, 1 seed")
@@ -116,6 +122,7 @@ def test_runs_are_compared_loaded_and_drawn(both: tuple[cosim.Run, cosim.Run]) -
     assert again.table("runs.csv")["n_encounters"].item() == loaded.numbers["n_encounters"]
 
 
+@pytest.mark.long
 def test_a_batch_takes_a_controller_by_its_file_and_notices_that_it_has_changed(
     folder: Path, tmp_path: Path
 ) -> None:
@@ -134,6 +141,7 @@ def test_a_batch_takes_a_controller_by_its_file_and_notices_that_it_has_changed(
         cosim.batch(content, out=folder / "by-file", jobs=1)
 
 
+@pytest.mark.long
 def test_numbers_of_numpy_are_numbers(folder: Path) -> None:
     ran = cosim.run(
         "midblock_zebra",
@@ -148,6 +156,7 @@ def test_numbers_of_numpy_are_numbers(folder: Path) -> None:
     assert ran.description["parameters"]["scenario"]["warmup_s"] == 5.0
 
 
+@pytest.mark.long
 def test_a_batch_gives_the_tables_of_a_study(folder: Path) -> None:
     content = {"scenarios": ["midblock_zebra"], "controllers": ["sumo"], "seeds": "1-2", "set": SHORT}
     study = cosim.batch(content, out=folder / "batch", jobs=1)
@@ -158,6 +167,7 @@ def test_a_batch_gives_the_tables_of_a_study(folder: Path) -> None:
     assert cosim.batch(content, out=folder / "batch", jobs=1).runs.equals(study.runs)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -183,6 +193,7 @@ def test_bad_input_is_one_line_before_the_first_step(
     assert not (folder / "bad").exists()
 
 
+@pytest.mark.long
 def test_what_is_not_there_is_answered_by_what_is(both: tuple[cosim.Run, cosim.Run], tmp_path: Path) -> None:
     with pytest.raises(cosim.InputError, match=r"tables there: .*encounters\.csv"):
         both[0].table("speeds.csv")

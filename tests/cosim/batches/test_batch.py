@@ -26,6 +26,7 @@ BUSY = {"warmup_s": 5, "duration_s": 36, "pedestrians_per_hour": 1200, "vehicles
 """Long enough for an ego to meet somebody."""
 
 
+@pytest.mark.long
 def test_a_study_is_run_once_and_its_tables_say_so(tmp_path: Path) -> None:
     study = write_study(tmp_path, controllers=["sumo", "constant_speed"], set={**SHORT, "speed_mps": 8.0})
     done = batch(study, "--out", "out", "--jobs", 2, folder=tmp_path)
@@ -59,6 +60,7 @@ def test_as_many_runs_as_there_are_cores_are_made_at_once_unless_it_is_told(
         assert replace(one, jobs=3).where.processes == 3
 
 
+@pytest.mark.long
 def test_a_run_of_a_batch_is_the_run_that_its_command_makes(tmp_path: Path) -> None:
     import shlex
 
@@ -86,6 +88,7 @@ def rows_of_one_process_and_of_two(folder: Path, settings: Mapping[str, float]) 
     return folder / "out1"
 
 
+@pytest.mark.long
 def test_the_same_rows_come_from_one_process_and_from_two(tmp_path: Path) -> None:
     assert len(rows(rows_of_one_process_and_of_two(tmp_path, SHORT) / "runs.csv")) == 4
 
@@ -112,6 +115,7 @@ def traffic(controller: str, seed: int) -> dict[str, object]:
         composition.close()
 
 
+@pytest.mark.long
 def test_one_seed_gives_every_controller_the_same_traffic_and_pedestrians() -> None:
     first = traffic("sumo", 1)
     assert len(first) > 20
@@ -119,6 +123,7 @@ def test_one_seed_gives_every_controller_the_same_traffic_and_pedestrians() -> N
     assert traffic("sumo", 2) != first
 
 
+@pytest.mark.long
 def test_recordings_are_dropped_on_request_and_the_numbers_are_the_same(tmp_path: Path) -> None:
     study = write_study(tmp_path, seeds="1")
     batch(study, "--out", "whole", folder=tmp_path)
@@ -139,6 +144,7 @@ def test_recordings_are_dropped_on_request_and_the_numbers_are_the_same(tmp_path
     assert lasting(tmp_path / "whole") == lasting(tmp_path / "numbers")
 
 
+@pytest.mark.long
 def test_a_dry_run_shows_the_matrix_and_the_time_and_writes_nothing(tmp_path: Path) -> None:
     study = write_study(tmp_path, controllers=["sumo", "aeb"], vary={"vehicles_per_hour": [100, 200]})
     shown = batch(study, "--out", "out", "--dry-run", "--jobs", 2, folder=tmp_path).stdout
@@ -167,6 +173,7 @@ def test_wrong_usage_is_one_line(tmp_path: Path) -> None:
     assert "other files" in refused(study, "--out", "mine", folder=tmp_path)
 
 
+@pytest.mark.long
 def test_an_edited_network_and_another_study_are_noticed_and_named(tmp_path: Path) -> None:
     town = network(tmp_path)
     keys = {"scenarios": [town.name], "controllers": ["constant_speed"]}
@@ -186,6 +193,7 @@ def test_an_edited_network_and_another_study_are_noticed_and_named(tmp_path: Pat
     assert runs(tmp_path / "out") == [name]
 
 
+@pytest.mark.long
 def test_without_out_the_study_is_kept_below_runs(tmp_path: Path) -> None:
     batch(write_study(tmp_path, seeds="1"), folder=tmp_path)
     assert len(runs(tmp_path / "runs" / "study")) == 1

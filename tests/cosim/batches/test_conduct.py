@@ -97,6 +97,7 @@ def test_a_full_disk_ends_the_batch_at_once(ledger: Ledger) -> None:
     assert ledger.failures() == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("module", ["queue.py", "_base.py"])
 def test_an_interrupt_never_ends_code_that_holds_a_lock_of_the_processes(ledger: Ledger, module: str) -> None:
     """A queue left in the middle of a ``put`` let a thread of the pool sleep for ever, and the batch with it."""

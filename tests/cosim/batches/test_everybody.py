@@ -13,6 +13,7 @@ from tests.cosim.cli.commands import ended
 TRAFFIC = "traffic_encounters.csv"
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_traffic_of_all_runs_is_in_one_table_at_any_share_of_egos(tmp_path: Path) -> None:
     study = write_study(

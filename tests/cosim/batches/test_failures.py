@@ -23,7 +23,7 @@ from tests.cosim.batches.disturbing import SMALL_DISK_OUT, can_mount, on_small_d
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
 from tests.cosim.cli.commands import command, finished, source_environment
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 
 def start(

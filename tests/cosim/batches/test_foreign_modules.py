@@ -14,6 +14,7 @@ from tests.cosim.cli.commands import source_environment
 pytestmark = pytest.mark.sumo
 
 
+@pytest.mark.long
 def test_modules_in_the_current_folder_are_not_executed_by_a_batch(tmp_path: Path) -> None:
     study = write_study(tmp_path, seeds="1")
     for name in ("multiprocessing", "signal", "queue"):

@@ -17,7 +17,7 @@ from tests.cosim.batches import unruly
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
 from tests.cosim.cli.commands import ended
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 ROOT = Path(__file__).resolve().parents[3]
 BUSY = {"warmup_s": 5, "duration_s": 36, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}

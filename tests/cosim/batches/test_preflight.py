@@ -17,7 +17,7 @@ from cosim.errors import InputError
 from tests.cosim.batches.studies import write_study
 from tests.cosim.cli.test_cli import network
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")

@@ -117,6 +117,7 @@ VALUES = st.one_of(
 )
 
 
+@pytest.mark.long
 @given(
     st.dictionaries(st.text(st.characters(exclude_categories=["Cs"]), min_size=1), VALUES),
     st.lists(st.text(st.characters(exclude_categories=["Cs"])), min_size=1, unique=True),

@@ -14,6 +14,7 @@ from tests.cosim.cli.commands import finished
 pytestmark = pytest.mark.sumo
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("behaviour", "told"),
     [

@@ -21,6 +21,7 @@ from tests.cosim.batches.studies import content, some_job
 pytestmark = pytest.mark.sumo
 
 
+@pytest.mark.long
 def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_path: Path) -> None:
     first = some_job(controller="aeb", duration_s="15")
     other = some_job(controller="vo_mpc", seed=2, pedestrians_per_hour="900", duration_s="8")
@@ -38,6 +39,7 @@ def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_
     assert made[0] != made[1]
 
 
+@pytest.mark.long
 def test_a_run_is_not_disturbed_by_a_start_without_a_step_before_it(tmp_path: Path) -> None:
     job = some_job(duration_s="10")
     with Pool(1, Handling(120.0)) as pool:
@@ -49,6 +51,7 @@ def test_a_run_is_not_disturbed_by_a_start_without_a_step_before_it(tmp_path: Pa
     assert content(alone.folder / RUN) == content(after.folder / RUN)
 
 
+@pytest.mark.long
 def test_a_worker_has_the_variables_that_are_set_when_it_starts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,6 +91,7 @@ class _ReadSlowly:
         return time.sleep, (1.0,)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes start otherwise elsewhere")
 def test_a_process_that_was_started_needs_nothing_of_the_pool_any_more() -> None:
     context = processes.context()

@@ -20,7 +20,7 @@ from tests.cosim.batches.studies import write_study
 from tests.cosim.cli.commands import ended
 from tests.cosim.cli.test_cli import refused
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 SHORT = ("--set", "duration_s=8", "--set", "warmup_s=2", "--jobs", "1")
 CRITERION = '[[criteria]]\nscope = "run"\nmetric = "{0}"\noperator = "{1}"\nthreshold = {2}\n'

@@ -70,6 +70,7 @@ def test_the_action_has_the_inputs_that_the_page_gives_it() -> None:
     assert all("shell" in one for one in action["runs"]["steps"] if "run" in one)
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.skipif(os.name != "posix", reason="the shim for the command is a shell script")
 def test_the_action_checks_reports_and_tells_the_exit_code(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from tests.cosim.cli.commands import ended
 pytestmark = pytest.mark.sumo
 
 
+@pytest.mark.long
 def test_a_damaged_run_is_invalid_and_the_others_are_judged(tmp_path: Path) -> None:
     criterion = {"metric": "n_collisions", "operator": "==", "threshold": 0, "scope": "run"}
     study = write_study(tmp_path, set=SHORT)

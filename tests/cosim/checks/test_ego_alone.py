@@ -55,6 +55,7 @@ def replay(folder: Path) -> dict[str, object]:
     return found
 
 
+@pytest.mark.long
 def test_a_deadlock_names_ego_time_and_place_and_has_a_replay(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -78,6 +79,7 @@ def test_a_deadlock_names_ego_time_and_place_and_has_a_replay(
     assert set(found["distance_m"]) == {None}  # type: ignore[call-overload]  # a list of the JSON
 
 
+@pytest.mark.long
 def test_an_overlap_names_the_vehicle_and_has_a_replay(tmp_path: Path) -> None:
     folder = write_run(tmp_path / "one", [Ego(line(0, 0, 10, 0))], [], [Vehicle(line(60, 0, 4, 0), "van")])
     analyse_run(folder)

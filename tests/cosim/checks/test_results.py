@@ -83,6 +83,7 @@ def test_a_failed_criterion_names_ego_time_and_place_and_leads_to_the_row(
     assert ElementTree.parse(tmp_path / "junit.xml").getroot().get("failures") == "1"
 
 
+@pytest.mark.long
 def test_the_report_of_a_judged_folder_shows_who_failed(tmp_path: Path) -> None:
     folder = study(tmp_path / "study")
     assert judged(folder) == 1

@@ -210,6 +210,7 @@ def test_an_ego_that_finds_no_place_is_refused(capsys: pytest.CaptureFixture[str
     assert not list(tmp_path.glob("runs/*"))
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_with_3(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -230,6 +231,7 @@ def test_a_run_that_goes_wrong_after_its_first_step_keeps_its_files_and_exits_wi
     assert (tmp_path / "out/egos.parquet").stat().st_size > 0
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
     alone = ["--set", "vehicles_per_hour=0", "--set", "pedestrians_per_hour=0", "--set", "warmup_s=1"]
@@ -251,6 +253,7 @@ def test_a_run_that_is_told_to_end_keeps_what_it_has(tmp_path: Path) -> None:
     assert pq.read_metadata(tmp_path / "out" / "egos.parquet").num_rows > 0
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_same_command_twice_gives_the_same_files(tmp_path: Path) -> None:
     arguments = ["midblock_unmarked", "--controller", "vo_mpc", "--seed", "7", "--set", "warmup_s=20"]

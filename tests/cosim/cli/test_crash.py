@@ -93,6 +93,7 @@ def crashed(tmp_path_factory: pytest.TempPathFactory) -> Crashed:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize(("after", "how", "recorded", "told"), CRASHES)
 def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
@@ -110,6 +111,7 @@ def test_a_crash_of_the_process_is_one_line_and_keeps_the_recording(
     assert (pq.read_table(out / "egos.parquet").num_rows > 100) is recorded
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_run_without_enough_memory_is_one_line_and_keeps_the_recording(tmp_path: Path) -> None:
     out = tmp_path / "out"

@@ -46,6 +46,7 @@ def recorded(tmp_path: Path) -> Path:
     return one_encounter(tmp_path / "run", 2.0)
 
 
+@pytest.mark.long
 def test_figures_go_into_the_run_s_folder_or_a_new_one(
     recorded: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -90,6 +91,7 @@ def test_without_matplotlib_one_line_says_what_to_install(
         assert f"cosim {arguments[0]} needs matplotlib: pip install matplotlib" in line
 
 
+@pytest.mark.long
 def test_a_film_has_a_frame_for_every_recorded_instant_and_the_same_bytes_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -137,6 +139,7 @@ def test_with_ffmpeg_there_is_a_film(recorded: Path) -> None:
     assert b"ftyp" in Path("a.mp4").read_bytes()[:16]
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_run_in_sumo_is_drawn_with_its_plans(tmp_path: Path) -> None:
     run = ["run", "midblock_zebra", "--controller", "vo_mpc", "--set", "warmup_s=10", "--duration-s", "20"]

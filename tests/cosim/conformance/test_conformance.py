@@ -12,6 +12,7 @@ from cosim.errors import InputError
 ALL = cases()
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.parametrize(
     "case", [pytest.param(case, id=case.key, marks=[pytest.mark.slow] * case.slow) for case in ALL]

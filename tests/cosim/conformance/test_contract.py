@@ -122,6 +122,7 @@ def test_the_named_situations_exist() -> None:
     assert NAMED.keys() <= golden().keys()
 
 
+@pytest.mark.long
 def test_the_command_prints_a_table_and_its_code_says_whether_all_is_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -69,6 +69,7 @@ def asam_schema() -> etree.XMLSchema:
     )
 
 
+@pytest.mark.long
 def test_the_file_is_valid_by_the_schema_of_asam(exported: Path) -> None:
     schema = asam_schema()
     tree = etree.parse(exported)
@@ -77,6 +78,7 @@ def test_the_file_is_valid_by_the_schema_of_asam(exported: Path) -> None:
     assert not schema.validate(tree)  # the schema can refuse
 
 
+@pytest.mark.long
 def test_the_pedestrian_is_read_back_where_they_were_recorded(
     run: cosim.Run, number: int, exported: Path
 ) -> None:
@@ -91,6 +93,7 @@ def test_the_pedestrian_is_read_back_where_they_were_recorded(
     np.testing.assert_allclose(walked[:, 1:], recorded[["x_m", "y_m"]], atol=1e-3)
 
 
+@pytest.mark.long
 def test_the_egos_rear_axle_is_where_it_was(run: cosim.Run, number: int, exported: Path) -> None:
     row = run.encounters.set_index("encounter_id").loc[number]
     root = ElementTree.parse(exported).getroot()
@@ -107,6 +110,7 @@ def test_the_egos_rear_axle_is_where_it_was(run: cosim.Run, number: int, exporte
     assert (float(place.get("x") or 0), float(place.get("y") or 0)) == pytest.approx((x, y), abs=2e-3)
 
 
+@pytest.mark.long
 def test_another_reader_understands_it(exported: Path) -> None:
     from scenariogeneration import xosc  # it takes long to load, and every worker collects this file
 
@@ -117,6 +121,7 @@ def test_another_reader_understands_it(exported: Path) -> None:
     assert any(name.startswith("ego_") for name in names)
 
 
+@pytest.mark.long
 def test_the_road_is_read_back_by_sumo_in_the_same_place(exported: Path, tmp_path: Path) -> None:
     back = tmp_path / "back.net.xml"
     subprocess.run(
@@ -136,6 +141,7 @@ def test_the_road_is_read_back_by_sumo_in_the_same_place(exported: Path, tmp_pat
     assert np.abs(points[:, 1]).max() < 20.0
 
 
+@pytest.mark.long
 def test_the_same_encounter_gives_the_same_bytes(run: cosim.Run, number: int, exported: Path) -> None:
     out = run.folder.parent / "again"
     assert main(["export", str(run.folder), "--encounter", str(number), "--out", str(out)]) == 0
@@ -143,6 +149,7 @@ def test_the_same_encounter_gives_the_same_bytes(run: cosim.Run, number: int, ex
         assert (out / path.name).read_bytes() == path.read_bytes()
 
 
+@pytest.mark.long
 def test_an_exported_pedestrian_walks_in_a_scenario(exported: Path, tmp_path: Path) -> None:
     """They walk in another run as they did in the first one."""
     folder = tmp_path / "midblock_copy"
@@ -169,6 +176,7 @@ def test_an_exported_pedestrian_walks_in_a_scenario(exported: Path, tmp_path: Pa
     assert min(math.dist(place, (one["x_m"], one["y_m"])) for place in places) < 0.01
 
 
+@pytest.mark.long
 def test_floating_car_data_have_everybody_of_the_recording(run: cosim.Run, tmp_path: Path) -> None:
     assert main(["export", str(run.folder), "--format", "fcd", "--out", str(tmp_path / "fcd")]) == 0
     root = ElementTree.parse(tmp_path / "fcd/fcd.xml").getroot()
@@ -182,6 +190,7 @@ def test_floating_car_data_have_everybody_of_the_recording(run: cosim.Run, tmp_p
     assert float(found.get("angle") or 0) == pytest.approx(90.0 - math.degrees(ego["heading_rad"]), abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -200,6 +209,7 @@ def test_wrong_use_is_one_line(
     assert said.count("\n") == 1
 
 
+@pytest.mark.long
 def test_what_is_no_run_and_a_missing_extra_are_one_line(
     run: cosim.Run, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -210,6 +220,7 @@ def test_what_is_no_run_and_a_missing_extra_are_one_line(
     assert "pip install scenariogeneration" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_without_a_road_there_is_one_file(run: cosim.Run, number: int, tmp_path: Path) -> None:
     words = ["--encounter", str(number), "--no-road", "--out", str(tmp_path / "out")]
     assert main(["export", str(run.folder), *words]) == 0
@@ -241,6 +252,7 @@ def test_an_encounter_of_real_tracks_is_exported(tmp_path: Path) -> None:
     assert len(names) == len(set(names))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("before", "after", "told"),
     [

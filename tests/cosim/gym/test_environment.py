@@ -60,6 +60,7 @@ def test_every_scenario_is_registered() -> None:
     assert {NAME, "cosim/signalised_junction-v0", "cosim/scenario-v0"} <= set(cosim.gym.NAMES)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("action", ["acceleration", "acceleration_steering", "decision"])
 def test_gymnasiums_checker_passes(action: str, crossing: Callable[..., CrossingEnv]) -> None:
     """Made directly, so that it tries no second environment beside the first one."""
@@ -71,12 +72,14 @@ def test_gymnasiums_checker_passes(action: str, crossing: Callable[..., Crossing
         check_env(env)
 
 
+@pytest.mark.long
 def test_the_registered_one_passes_without_the_second_window(env: gymnasium.Env[Any, Any]) -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*symmetric and normalized space")
         check_env(env.unwrapped, skip_render_check=True)
 
 
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_trajectory_and_another_one_another(
     crossing: Callable[..., CrossingEnv],
 ) -> None:

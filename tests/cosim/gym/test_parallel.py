@@ -15,6 +15,7 @@ pytestmark = pytest.mark.sumo
 QUICK: dict[str, Any] = {"time_limit_s": 6.0, "warmup_s": 2.0, "ego_headway_s": 2.0}
 
 
+@pytest.mark.long
 def test_pettingzoos_own_test_passes() -> None:
     env = parallel_env("midblock_zebra", agents=3, **QUICK)
     parallel_api_test(env, num_cycles=120)

@@ -79,6 +79,7 @@ def test_what_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "'many'" in line
 
 
+@pytest.mark.long
 def test_the_map_shows_every_crossing_and_has_the_same_bytes_twice(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
     for name in ("one.svg", "two.svg", "one.png", "two.png"):
@@ -117,6 +118,7 @@ def test_a_network_without_lanes_inside_its_junctions_gets_them_with_its_crossin
     assert "3 without priority" in capsys.readouterr().out
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_scenario_made_from_a_network_alone_has_encounters(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
@@ -131,6 +133,7 @@ def test_a_scenario_made_from_a_network_alone_has_encounters(tmp_path: Path) -> 
     assert {":b_c1", ":b_c2"} <= set(walked["crossing_id"])
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_scenario_made_from_a_configuration_keeps_its_demand_and_options(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
@@ -158,6 +161,7 @@ def test_a_scenario_made_from_a_configuration_keeps_its_demand_and_options(tmp_p
     assert seen["object_id"].str.startswith("cars.").any()
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_scenario_made_from_braunschweig_runs(tmp_path: Path) -> None:
     shutil.copytree(packaged_file(BRAUNSCHWEIG).parent / "fokr_bs_demo", tmp_path / "fokr_bs_demo")

@@ -72,6 +72,7 @@ print(json.dumps([sorted(crossed.items()), len(roads), several, sum(map(walks, r
 """
 
 
+@pytest.mark.long
 def test_sumos_own_reader_counts_the_same_in_braunschweig() -> None:
     found = inspect(packaged_file(BRAUNSCHWEIG))
     command = [sys.executable, "-c", JUDGE, str(found.source.net_file)]
@@ -162,6 +163,7 @@ def test_an_ego_route_in_a_grid_goes_through_no_junction_twice(tmp_path: Path) -
         assert len(set(route.edges)) == len(route.edges)
 
 
+@pytest.mark.long
 def test_a_demand_without_persons_gets_some_by_the_suggested_command(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
     path = configure(tmp_path, CARS)

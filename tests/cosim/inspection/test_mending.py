@@ -88,6 +88,7 @@ def said(folder: Path, path: Path) -> str:
     return "\n".join(write_scaffold(inspect(path), folder / "mine"))
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_everything_names_the_lane_that_it_named_and_sumo_drives_to_the_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

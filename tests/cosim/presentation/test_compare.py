@@ -142,6 +142,7 @@ def test_chosen_measures_are_one_family_and_are_written_when_asked(
     assert main(["compare", str(study), "--alt", "careful"]) == 0  # the file in the study is in nobody's way
 
 
+@pytest.mark.long
 def test_several_settings_are_one_table_or_one_each(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for seed in SEEDS:
         write(study / "runs", "sumo", seed, 4, 20.0, demand=600)

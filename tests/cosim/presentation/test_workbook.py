@@ -27,6 +27,7 @@ def study(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_every_table_is_a_sheet_with_units_and_every_column_has_a_definition(
     study: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -53,6 +54,7 @@ def test_every_table_is_a_sheet_with_units_and_every_column_has_a_definition(
     assert "min_ttc_s [s]" in [cell.value for cell in book["encounters"][1]]
 
 
+@pytest.mark.long
 def test_a_text_that_looks_like_a_formula_is_a_text(study: Path) -> None:
     workbook.write_workbook([study], study)
     sheet = openpyxl.load_workbook(study / workbook.WORKBOOK)["encounters"]
@@ -61,6 +63,7 @@ def test_a_text_that_looks_like_a_formula_is_a_text(study: Path) -> None:
     assert (cell.value, cell.data_type) == ("=1+1", "s")
 
 
+@pytest.mark.long
 def test_the_same_tables_give_the_same_bytes(study: Path) -> None:
     first = workbook.write_workbook([study], study).read_bytes()
     assert workbook.write_workbook([study], study).read_bytes() == first

@@ -63,6 +63,7 @@ def _configuration(folder: Path, net: str, step: str, extra: str) -> str:
     return str(path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("net", "step", "extra", "request_"),
     [

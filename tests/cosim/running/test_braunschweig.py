@@ -57,6 +57,7 @@ def composition(request: pytest.FixtureRequest) -> Iterator[Composition]:
     composed.close()
 
 
+@pytest.mark.long
 def test_every_ego_keeps_its_route_and_leaves_at_its_end(composition: Composition) -> None:
     watch = RouteWatch()
     loop.run(composition.world, composition.drivers, watch)

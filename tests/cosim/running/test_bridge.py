@@ -65,6 +65,7 @@ def test_edges_that_cross_without_a_junction_are_on_different_levels(town: Path)
     assert other_levels(network) == {"street": frozenset({"bridge"}), "bridge": frozenset({"street"})}
 
 
+@pytest.mark.long
 def test_nobody_on_a_bridge_is_in_the_way_or_struck(town: Path, tmp_path: Path) -> None:
     out = tmp_path / "run"
     outcome = execute(RunRequest(str(town), controller="vo_mpc", ego_vehicle="ego", out=out))
@@ -86,6 +87,7 @@ def test_traffic_on_both_levels_is_judged_apart(town: Path, tmp_path: Path) -> N
     assert read_csv(out / "traffic_encounters.csv") == []
 
 
+@pytest.mark.long
 def test_without_the_bridge_the_same_two_would_have_been_struck(town: Path, tmp_path: Path) -> None:
     out = tmp_path / "run"
     execute(RunRequest(str(town), controller="vo_mpc", ego_vehicle="ego", out=out))

@@ -10,7 +10,7 @@ from controllers.velocity_obstacle.decision_rules import Rule
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 ZEBRA_BEGINS_M = 1190.0
 

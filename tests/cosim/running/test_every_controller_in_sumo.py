@@ -22,7 +22,7 @@ import pytest
 from controllers import catalog
 from cosim.cli import main
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 SCENARIOS = ("midblock_zebra", "midblock_unmarked", "signalised_junction")
 BY_TURNS = MappingProxyType(dict(zip(catalog.names(), itertools.cycle(SCENARIOS), strict=False)))

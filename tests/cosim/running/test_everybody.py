@@ -29,6 +29,7 @@ def everybody(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made(tmp_path_factory.mktemp("everybody") / "run", record="everybody")
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_recording_everybody_changes_no_byte_of_what_is_said_of_egos(tmp_path: Path, everybody: Path) -> None:
     egos = made(tmp_path / "egos")
@@ -58,6 +59,7 @@ def test_a_vehicle_that_was_named_and_never_comes_is_told(tmp_path: Path) -> Non
     assert (tmp_path / "traffic.parquet").exists()
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_other_drivers_are_judged_beside_the_egos(everybody: Path) -> None:
     rows = read_csv(everybody / "traffic_encounters.csv")
@@ -69,6 +71,7 @@ def test_other_drivers_are_judged_beside_the_egos(everybody: Path) -> None:
     assert [int(row["traffic_encounter_id"]) for row in rows] == list(range(1, len(rows) + 1))
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_who_is_recorded_is_near_a_crossing_and_where_the_egos_recording_has_them(everybody: Path) -> None:
     traffic = pd.read_parquet(everybody / "traffic.parquet")
@@ -90,6 +93,7 @@ def test_who_is_recorded_is_near_a_crossing_and_where_the_egos_recording_has_the
     assert (both.phase == both.phase_seen).all()
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_run_without_egos_judges_everybody(tmp_path: Path) -> None:
     out = made(tmp_path / "run", record="everybody", ego_share=0.0)

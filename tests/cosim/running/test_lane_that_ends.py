@@ -62,6 +62,7 @@ def _town(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_an_ego_that_found_no_gap_leaves_the_lane_before_the_crossing_at_its_end(tmp_path: Path) -> None:
     out = tmp_path / "run"
     result = run(RunRequest(str(_town(tmp_path)), controller="vo_mpc", ego_vehicle="ego", out=out))

@@ -99,6 +99,7 @@ def test_an_analysis_that_has_no_room_names_no_file_that_is_not_there(tmp_path: 
     assert done.stderr == f"cosim: {tmp_path / 'out'} could not be analysed: File too large\n"
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_batch_without_room_names_only_files_that_exist(tmp_path: Path) -> None:
     study = write_study(tmp_path, seeds="1")

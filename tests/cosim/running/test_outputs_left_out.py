@@ -60,6 +60,7 @@ def test_a_run_says_once_what_it_did_not_write(town: Path, tmp_path: Path) -> No
     assert names == ["error-log", "fcd-output", "tripinfo-output", *loose]
 
 
+@pytest.mark.long
 def test_two_workers_of_a_batch_write_nothing_there_and_it_is_said_once(town: Path, tmp_path: Path) -> None:
     before = contents(town)
     study = write_study(tmp_path / "study", scenarios=[str(town)], set={"duration_s": 8.0})

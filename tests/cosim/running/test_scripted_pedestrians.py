@@ -98,6 +98,7 @@ def ran(folder: Path, controller: str, *more: str) -> Path:
     return out
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step_s", ["0.05", "0.1", "0.25"])
 def test_a_recorded_trajectory_replays_to_the_millimetre(tmp_path: Path, step_s: str) -> None:
     rows = np.array(recording(tmp_path))
@@ -130,6 +131,7 @@ def together(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return cache(lambda controller: ran(folder, controller, "--duration-s", "28"))
 
 
+@pytest.mark.long
 def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(
     together: Callable[[str], Path],
 ) -> None:
@@ -150,6 +152,7 @@ def test_pedestrians_who_do_not_look_are_the_same_for_every_controller(
     assert len({name for name, _ in first}) > 5
 
 
+@pytest.mark.long
 def test_the_same_run_twice_has_the_same_bytes_and_another_seed_other_people(tmp_path: Path) -> None:
     folder = scenario(tmp_path, BEHAVIOURS["jaywalk"] + 'manners = [{ kind = "social_force" }]\n')
     one, two = (ran(folder, "aeb", "--duration-s", "18") for _ in range(2))
@@ -160,6 +163,7 @@ def test_the_same_run_twice_has_the_same_bytes_and_another_seed_other_people(tmp
     assert not people(one).x_m.reset_index(drop=True).equals(people(other).x_m.reset_index(drop=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_all_behaviours_together_end_well_with_a_controller(
     together: Callable[[str], Path], controller: str
@@ -186,6 +190,7 @@ def test_every_behaviour_ends_well_with_every_kind_of_controller(
     assert behaviour == "trajectory" or speed.max() < fastest
 
 
+@pytest.mark.long
 def test_an_ego_that_looks_at_nobody_is_met_where_the_row_says(tmp_path: Path) -> None:
     """The geometry of a protocol, through SUMO and the recorder: 50 % of the front at 50 km/h."""
     road = ROAD.replace("vehicles_per_hour = 200.0", "vehicles_per_hour = 0.0")
@@ -229,6 +234,7 @@ edges = "south_in south_approach north_exit north_out"
 RED = 'kind = "crossing"\ncrossing = "{crossing}"\nspeed_mps = 1.4\nside = "first"\nstart = {{ time_s = 30.0, signal = "{shows}" }}\n'
 
 
+@pytest.mark.long
 def test_somebody_walks_at_red_and_somebody_at_green(tmp_path: Path) -> None:
     from cosim.running import compose
     from cosim.running.request import RunRequest

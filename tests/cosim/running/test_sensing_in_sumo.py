@@ -14,7 +14,7 @@ from cosim.cli import main
 from cosim.sensing import catalog
 from sumo_scenarios import library
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 FIRST_STOP = (
     "bus_stop_occlusion",

@@ -15,7 +15,7 @@ from cosim.running.execution import execute
 from cosim.running.request import RunRequest
 from cosim.step.loop import ToWorld
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 
 WARMUP_S = 90.0
 """Of the scenario [s]."""

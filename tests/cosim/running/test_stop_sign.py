@@ -12,7 +12,7 @@ import sumo
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 
-pytestmark = pytest.mark.sumo
+pytestmark = [pytest.mark.sumo, pytest.mark.long]
 PERSON = '<person id="walker" depart="0" departPos="82"><walk edges="A1B1 B1C1"/></person>'
 
 

@@ -70,6 +70,7 @@ def reported(screened: tuple[Path, CompletedProcess[str]], tmp_path_factory: pyt
     return out
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_town_is_ranked_and_the_same_command_ranks_it_again(
     screened: tuple[Path, CompletedProcess[str]], tmp_path: Path
@@ -122,6 +123,7 @@ def test_a_town_is_ranked_and_the_same_command_ranks_it_again(
     assert "crossings.csv" in ended("verify", out, code=3).stderr
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(
     reported: Path,
@@ -152,6 +154,7 @@ def test_the_report_of_a_screening_is_a_map_whose_crossings_lead_to_their_rows(
     ended("verify", out)
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 @pytest.mark.browser
 def test_the_report_of_a_screening_prints_on_one_sheet(reported: Path) -> None:
@@ -175,6 +178,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_an_alternative_is_compared_crossing_by_crossing(tmp_path: Path) -> None:
     configuration, out = town(tmp_path), tmp_path / "out"
@@ -224,6 +228,7 @@ def test_an_alternative_that_cannot_be_compared_is_refused(tmp_path: Path) -> No
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_town_without_pedestrians_has_no_rates(tmp_path: Path) -> None:
     configuration, out = town(tmp_path), tmp_path / "out"

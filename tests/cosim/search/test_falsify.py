@@ -41,6 +41,7 @@ def arguments(folder: Path, out: Path, *more: str) -> list[str]:
     return [*words, "--out", str(out), *more]
 
 
+@pytest.mark.long
 def test_it_finds_preventable_failures_and_lists_the_others_apart(found: Path) -> None:
     trials = read_csv(found / "trials.csv")
     assert [row["trial"] for row in trials] == [str(number) for number in range(1, 11)]
@@ -55,6 +56,7 @@ def test_it_finds_preventable_failures_and_lists_the_others_apart(found: Path) -
     assert len(read_csv(found / "failures.csv")) == statuses.count("fail")
 
 
+@pytest.mark.long
 def test_a_kind_has_a_name_a_command_and_the_smallest_change_back_to_success(found: Path) -> None:
     first = read_csv(found / "kinds.csv")[0]
     assert first["name"].startswith("contact hard at the front on the carriageway")
@@ -62,6 +64,7 @@ def test_a_kind_has_a_name_a_command_and_the_smallest_change_back_to_success(fou
     assert " instead of " in first["change_to_success"]
 
 
+@pytest.mark.long
 def test_the_suite_fails_while_the_controller_does_and_passes_with_a_better_one(
     found: Path, tmp_path: Path
 ) -> None:
@@ -70,6 +73,7 @@ def test_the_suite_fails_while_the_controller_does_and_passes_with_a_better_one(
     assert main(["check", suite, "--controller", "vo_mpc", "--out", str(tmp_path / "better")]) == 0
 
 
+@pytest.mark.long
 def test_the_command_that_it_prints_checks_a_controller_that_is_a_file(
     found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -88,6 +92,7 @@ def test_the_command_that_it_prints_checks_a_controller_that_is_a_file(
     assert main([*words, "--out", str(tmp_path / "checked")]) == 1
 
 
+@pytest.mark.long
 def test_a_search_that_was_cut_short_resumes_to_the_same_bytes_with_another_number_of_workers(
     found: Path, tmp_path: Path
 ) -> None:
@@ -106,6 +111,7 @@ def test_a_search_that_was_cut_short_resumes_to_the_same_bytes_with_another_numb
     assert all((cut / path).read_bytes() == (found / path).read_bytes() for path in ours)
 
 
+@pytest.mark.long
 def test_another_search_does_not_resume_in_its_folder(
     found: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -113,6 +119,7 @@ def test_another_search_does_not_resume_in_its_folder(
     assert "belongs to another search: there seed = 1" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_a_search_of_another_space_does_not_resume_in_its_folder(
     found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -123,6 +130,7 @@ def test_a_search_of_another_space_does_not_resume_in_its_folder(
     assert error.count("\n") == 1
 
 
+@pytest.mark.long
 def test_runs_of_another_code_version_are_not_resumed_and_stay(
     found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -137,6 +145,7 @@ def test_runs_of_another_code_version_are_not_resumed_and_stay(
     assert len(list((old / "trials/runs").iterdir())) == len(list((found / "trials/runs").iterdir()))
 
 
+@pytest.mark.long
 def test_a_criterion_that_is_never_defined_ends_the_search_and_keeps_its_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -154,6 +163,7 @@ def test_a_criterion_that_is_never_defined_ends_the_search_and_keeps_its_runs(
     assert len(list((tmp_path / "out/trials/runs").iterdir())) == 10
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("more", "told"),
     [

@@ -31,6 +31,7 @@ def search(method: str, seed: int, budget: int, margin: Callable[[Point], float]
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_and_answers_give_the_same_proposals_and_another_seed_others(method: str) -> None:
     first = search(method, 1, 80, bowl)
@@ -47,6 +48,7 @@ def test_the_first_trials_cover_the_space_and_depend_on_no_answer() -> None:
     assert sum(one["side"] == "left" for one in first) in range(22, 29)
 
 
+@pytest.mark.long
 def test_with_a_slope_the_search_finds_a_small_fault_sooner_than_chance() -> None:
     def first_failure(method: str, seed: int) -> int:
         found = search(method, seed, 300, bowl)

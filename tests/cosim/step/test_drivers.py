@@ -57,6 +57,7 @@ def test_the_controller_of_an_ego_that_has_left_is_let_go_and_the_others_stay() 
     assert drivers["b"] is stays
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_run_holds_the_controllers_of_no_more_egos_than_are_on_the_road(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

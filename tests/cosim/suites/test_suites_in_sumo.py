@@ -133,6 +133,7 @@ def assert_beside(case: Case, measured: Measured, recorded: RecordedRun) -> None
     assert nearest == pytest.approx(case.group.beside_m, abs=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("reference", SOME)
 def test_they_are_hit_where_the_protocol_says(reference: str, steadily: Callable[[str], Path]) -> None:
     (case,) = cases(reference)
@@ -147,6 +148,7 @@ def test_they_are_hit_where_the_protocol_says_in_every_case(name: str, tmp_path:
         assert_geometry(case, tmp_path / case.name)
 
 
+@pytest.mark.long
 def test_parked_cars_stand_one_metre_beside_the_ego_and_before_them(steadily: Callable[[str], Path]) -> None:
     (case,) = cases(OBSTRUCTED)
     recorded = read_run(steadily(OBSTRUCTED))
@@ -171,6 +173,7 @@ def test_a_parked_car_hides_the_child_until_it_is_nearly_in_the_lane(steadily: C
     assert 1.7 < across < 2.6
 
 
+@pytest.mark.long
 def test_the_same_case_is_the_same_run(tmp_path: Path) -> None:
     (case,) = cases("suite:fmvss127/crossing_right_25_30kmh")
     folders = [tmp_path / name for name in ("one", "other")]
@@ -180,6 +183,7 @@ def test_the_same_case_is_the_same_run(tmp_path: Path) -> None:
     assert tables[0] == tables[1]
 
 
+@pytest.mark.long
 def test_verdicts_of_a_driver_who_does_nothing_and_of_one_who_stops(tmp_path: Path) -> None:
     (case,) = cases("suite:euroncap2026/cpna_25_40kmh")
     for controller, colour, passed in (("constant_speed", "red", False), ("vo_mpc", "green", True)):

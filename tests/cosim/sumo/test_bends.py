@@ -36,6 +36,7 @@ def test_a_path_that_the_car_can_drive_is_left_alone(path: Path) -> None:
     assert widened(path, CAR) == (path, ())
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(TIGHT, st.sampled_from([-1.0, 1.0]))
 def test_what_was_too_tight_can_be_driven_and_has_no_corner(turn: float, side: float) -> None:
@@ -52,6 +53,7 @@ def test_what_was_too_tight_can_be_driven_and_has_no_corner(turn: float, side: f
     assert path.heading[-1] - path.heading[0] == pytest.approx(side * turn, abs=1e-6)
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(TIGHT, st.sampled_from([-1.0, 1.0]))
 def test_stations_go_on_and_are_those_of_the_lanes_before_and_behind(turn: float, side: float) -> None:

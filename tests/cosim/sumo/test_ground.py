@@ -33,6 +33,7 @@ def shapes(network: Network) -> Iterator[tuple[int, str, shapely.Geometry]]:
         yield 2, walking.name, shapely.Polygon(walking.outline).buffer(0.0)
 
 
+@pytest.mark.long
 def test_random_places_of_a_measured_junction_are_what_shapely_says(braunschweig: Network) -> None:
     ground = Ground(braunschweig)
     known = list(shapes(braunschweig))

@@ -111,6 +111,7 @@ def test_an_ego_leaves_a_lane_that_leads_elsewhere_over_the_crossing_at_its_end(
         assert (egos["signal_ahead"] == "red").any(), "the light of the way beside it is seen"
 
 
+@pytest.mark.long
 def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tmp_path: Path) -> None:
     out = stands(build(tmp_path, "priority", 20.0), STOOD + 120.0)
     assert json.loads((out / "run.json").read_text())["egos_given_up"] == ["v"]
@@ -121,6 +122,7 @@ def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tm
     assert egos["edge"].iloc[-1] == "je"
 
 
+@pytest.mark.long
 def test_an_ego_that_nobody_lets_in_takes_another_way_to_its_destination(tmp_path: Path) -> None:
     """It stood there for 240 s, then SUMO's driver for ever, and whoever was behind it as long."""
     configuration = build(tmp_path, "priority", 60.0, 1.0, WAY_BACK, BESIDE.format(85.0))
@@ -173,6 +175,7 @@ def test_a_lane_that_leads_elsewhere_after_the_next_short_edge_counts(
     assert json.loads((out / "run.json").read_text())["egos_on_detours"] == ["v"] * detours
 
 
+@pytest.mark.long
 def test_an_ego_that_waits_where_the_number_of_lanes_changes_takes_another_way(tmp_path: Path) -> None:
     """Its front is in a junction of 4 m there: it stood for 240 s."""
     beside = (
@@ -189,6 +192,7 @@ def test_an_ego_that_waits_where_the_number_of_lanes_changes_takes_another_way(t
     assert list(edges) == ["wm", "mj", "js", "sj", "je"]
 
 
+@pytest.mark.long
 def test_a_vehicle_of_sumo_that_blocks_the_road_is_teleported_and_an_ego_is_not(tmp_path: Path) -> None:
     """Not before the ego behind it was handed back, however early the configuration has it."""
     configuration = build(tmp_path, "priority", 40.0, 1.0, others=BESIDE.format(92.0) + STUCK)

@@ -223,6 +223,7 @@ def test_driving_a_vehicle_that_was_not_taken_over_says_which_ones_were() -> Non
             placement.executed("ego")
 
 
+@pytest.mark.long
 def test_a_traci_connection_does_what_libsumo_does(tmp_path: Path) -> None:
     import traci  # the window's way in; here without a window
 

@@ -95,6 +95,7 @@ def town(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "town.sumocfg"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("step_s", "duration_s"), [(1.0, 60.0), (0.25, 25.0)])
 def test_a_new_network_with_default_names_runs_to_its_end(
     town: Path, tmp_path: Path, step_s: float, duration_s: float

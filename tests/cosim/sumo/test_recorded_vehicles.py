@@ -10,6 +10,8 @@ import pytest
 
 from tests.cosim.cli.commands import source_environment
 
+pytestmark = pytest.mark.long
+
 HEADER = "vehicle,class,edge,time_s,x_m,y_m,heading_rad,speed_mps,length_m,width_m\n"
 DRIVE = """
 import sys

@@ -64,6 +64,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     return drive
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("net", "route"), [(CORNER, "wj js"), (CORNER, "sj jw"), (FORK, "wj js")])
 @pytest.mark.parametrize(("controller", "step_s"), [("vo_mpc", 0.1), ("vo_mpc", 1.0), ("aeb", 0.1)])
 def test_an_ego_gets_round_a_sharp_bend_and_sumo_has_it_where_it_is(
@@ -75,12 +76,14 @@ def test_an_ego_gets_round_a_sharp_bend_and_sumo_has_it_where_it_is(
     assert egos["edge"].iloc[-1] == route.split()[-1]
 
 
+@pytest.mark.long
 def test_a_run_names_the_bends_that_are_too_tight(driven: Callable[..., Path]) -> None:
     bends = json.loads((driven(CORNER, "wj js", "vo_mpc", 0.1) / "run.json").read_text())["tight_bends"]
     assert list(bends) == [":j_1_0"]
     assert 1.0 < bends[":j_1_0"] < 2.5
 
 
+@pytest.mark.long
 def test_in_a_hairpin_every_intervention_has_the_bend_as_its_cause(driven: Callable[..., Path]) -> None:
     egos = pd.read_parquet(driven(CORNER, "js sj") / "egos.parquet")
     assert egos["intervention"].any()

@@ -21,6 +21,7 @@ pytestmark = pytest.mark.sumo
 LEFT = Egos(routes=(("am", "mj", "jn"),), count=1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("actuation", ["hybrid", "move"])
 @pytest.mark.parametrize("step_s", [0.05, 0.1, 0.25, 1.0])
 def test_an_ego_drives_its_route_to_the_end_where_the_plant_says(
@@ -98,6 +99,7 @@ def test_gaps_on_a_straight_road_are_those_of_sumo_plus_the_minimum_gap(open_wor
     assert compared > 50
 
 
+@pytest.mark.long
 def test_pedestrians_first_wait_and_then_cross(open_world: OpenWorld) -> None:
     seen: dict[str, list[str]] = {}
 
@@ -153,6 +155,7 @@ def test_where_lights_are_switched_off_pedestrians_have_the_priority_that_sumo_g
     assert kinds() == {CrossingKind.UNMARKED}
 
 
+@pytest.mark.long
 def test_signals_are_what_sumo_says(open_world: OpenWorld) -> None:
     states = set()
 
@@ -286,6 +289,7 @@ def test_what_sumo_refuses_is_one_line(open_world: OpenWorld) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.long
 def test_a_library_scenario_runs_with_its_pedestrians(tmp_path: Path) -> None:
     scenario = load("midblock_zebra")
     scenario = replace(scenario, duration_s=scenario.warmup_s + 30.0)

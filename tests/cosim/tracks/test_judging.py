@@ -186,6 +186,7 @@ def test_pedestrians_may_walk_on_a_road_that_has_no_sidewalk(tmp_path: Path) -> 
     assert away[1] > 0.4
 
 
+@pytest.mark.long
 def test_a_street_without_crossings_is_judged_and_reported(tmp_path: Path) -> None:
     network = networks.street(tmp_path, crossing="<connections/>")
     path = streets.write(tmp_path / "t.csv", streets.crowd()[:4])

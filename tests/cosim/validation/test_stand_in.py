@@ -45,6 +45,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_everybody_else_is_where_they_were_recorded(driven: Path) -> None:
     seen = pd.read_parquet(driven / "run" / "neighbours.parquet")
@@ -61,6 +62,7 @@ def test_everybody_else_is_where_they_were_recorded(driven: Path) -> None:
     assert np.diff(walker["y_m"]) == pytest.approx(0.13, abs=2e-3)
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_ego_departs_as_the_recorded_vehicle_did_and_drives_by_itself(driven: Path) -> None:
     egos = pd.read_parquet(driven / "run" / "egos.parquet")
@@ -69,12 +71,14 @@ def test_the_ego_departs_as_the_recorded_vehicle_did_and_drives_by_itself(driven
     assert egos["speed_mps"].min() < 5.0, "it brakes for the pedestrian, as the recorded one did not"
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_who_met_another_ego_than_they_had_reacted_to_is_marked(driven: Path) -> None:
     (row,) = read_csv(driven / "stand_in.csv")
     assert (row["could_react"], float(row["off_m"]) > 2.0) == ("0", True)
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_an_ego_departs_although_sumo_would_find_it_too_near_to_the_car_ahead(tmp_path: Path) -> None:
     networks.street(tmp_path)
@@ -110,6 +114,7 @@ edges = "e1 e2"
 """
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_the_written_scenario_runs_afterwards_whatever_the_vehicle_is_called(tmp_path: Path) -> None:
     networks.street(tmp_path)
@@ -153,6 +158,7 @@ def test_an_ego_that_drives_as_recorded_is_met_by_people_who_could_react(tmp_pat
     assert met.could_react
 
 
+@pytest.mark.long
 def test_bad_recordings_and_vehicles_are_refused(tmp_path: Path, driven: Path) -> None:
     site = driven.parent
     said = ended(

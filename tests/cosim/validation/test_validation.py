@@ -43,6 +43,7 @@ def validation(folder: Path) -> Path:
     return out
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_who_departed_when_and_where_is_simulated_again(validation: Path) -> None:
     routes = ElementTree.parse(validation / "scenario" / "rebuilt.rou.xml").getroot()
@@ -59,6 +60,7 @@ def test_who_departed_when_and_where_is_simulated_again(validation: Path) -> Non
     assert pd.read_parquet(runs[0])["object_id"].nunique() == 20
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_real_road_users_are_counted_once_and_simulated_ones_in_every_run(validation: Path) -> None:
     rows = {row["quantity"]: row for row in read_csv(validation / "validation.csv")}
@@ -70,6 +72,7 @@ def test_real_road_users_are_counted_once_and_simulated_ones_in_every_run(valida
     assert rows["car_speed"]["verdict"] in ("different", "indistinguishable")
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_a_validation_is_resumed_and_gives_the_same_bytes(validation: Path, folder: Path) -> None:
     before = (validation / "validation.csv").read_bytes()
@@ -189,6 +192,7 @@ def variant_with_types(folder: Path, types: str) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_the_types_of_a_variant_are_those_of_the_simulated_road_users(tmp_path: Path) -> None:
     folder = variant_with_types(tmp_path, '<vType id="slow" vClass="passenger" decel="1.662" tau="0.905"/>')
     assert read_site(str(folder), tmp_path / "work").types == {"car": {"decel": "1.662", "tau": "0.905"}}

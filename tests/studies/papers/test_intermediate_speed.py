@@ -41,6 +41,7 @@ def delayed() -> Delayed:
     return experiments.delayed_drives()
 
 
+@pytest.mark.long
 def test_both_planners_brake_and_stand_before_the_standing_obstacle_as_fitted(
     classic: Pair, new: Pair
 ) -> None:
@@ -51,6 +52,7 @@ def test_both_planners_brake_and_stand_before_the_standing_obstacle_as_fitted(
         assert drive.speed.max() == pytest.approx(40.0 / 3.6)
 
 
+@pytest.mark.long
 def test_the_new_planner_settles_behind_the_moving_obstacle(new: Pair) -> None:
     drive = new.moving
     assert drive.first_braking() == pytest.approx(30.83, abs=0.02)
@@ -59,6 +61,7 @@ def test_the_new_planner_settles_behind_the_moving_obstacle(new: Pair) -> None:
     assert drive.after(50.0).rms_acceleration() < 1e-6
 
 
+@pytest.mark.long
 def test_the_classic_planner_chatters_behind_the_moving_obstacle(classic: Pair) -> None:
     drive = classic.moving
     assert drive.first_braking() == pytest.approx(23.6, abs=0.05)
@@ -68,6 +71,7 @@ def test_the_classic_planner_chatters_behind_the_moving_obstacle(classic: Pair) 
     assert drive.after(50.0).rms_acceleration() == pytest.approx(1.0, abs=0.12)
 
 
+@pytest.mark.long
 def test_the_classic_planner_s_gap_decays_with_the_analytic_time_constant(classic: Pair) -> None:
     drive = classic.moving
     part = (drive.time > 58.0) & (drive.time < 78.0)
@@ -75,6 +79,7 @@ def test_the_classic_planner_s_gap_decays_with_the_analytic_time_constant(classi
     assert -1.0 / slope == pytest.approx(5.0 / Parameters().deceleration, rel=0.05)
 
 
+@pytest.mark.long
 def test_in_all_families_and_periods_the_new_planner_settles_first() -> None:
     classic, new = experiments.robust_drives()
     assert len(classic) == len(new) == 20
@@ -92,6 +97,7 @@ def test_in_all_families_and_periods_the_new_planner_settles_first() -> None:
     assert max(settled) == pytest.approx(41.85, abs=0.1)
 
 
+@pytest.mark.long
 def test_with_slow_actuators_naive_replanning_swings_and_overruns(delayed: Delayed) -> None:
     late = delayed.naive.moving.after(80.0).speed
     assert late.min() == pytest.approx(4.60, abs=0.02)
@@ -101,6 +107,7 @@ def test_with_slow_actuators_naive_replanning_swings_and_overruns(delayed: Delay
     assert delayed.naive.standing.gap[-1] == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.long
 def test_with_slow_actuators_replanning_by_events_does_not(delayed: Delayed) -> None:
     assert delayed.event.standing.gap[-1] == pytest.approx(2.5, abs=0.02)
     # 43.6 s in the reading, which takes a plan for over when its last command is given, not when it acts.
@@ -108,12 +115,14 @@ def test_with_slow_actuators_replanning_by_events_does_not(delayed: Delayed) -> 
     assert delayed.event.moving.after(60.0).range_of_speed() < 0.01
 
 
+@pytest.mark.long
 def test_with_slow_actuators_a_plan_from_the_predicted_state_is_exact(delayed: Delayed) -> None:
     assert delayed.predicted.standing.gap[-1] == pytest.approx(2.5, abs=0.02)
     assert delayed.predicted.moving.gap[-1] == pytest.approx(24.0, abs=0.01)
     assert delayed.predicted.moving.settles() < 41.0
 
 
+@pytest.mark.long
 def test_every_claim_has_a_status_and_the_wide_swings_are_not_reproduced(tmp_path: Path) -> None:
     claims: list[Claim] = experiments.run(tmp_path)
     missed = [claim for claim in claims if claim.status is Status.NOT_REPRODUCED]

@@ -67,6 +67,7 @@ def test_a_second_run_gives_the_same_claims_and_figures(made: Made, tmp_path: Pa
     assert figures == {path.name: path.read_bytes() for path in (made.folder / "figures").iterdir()}
 
 
+@pytest.mark.long
 def test_a_drive_and_a_figure_come_out_the_same_again(made: Made, tmp_path: Path) -> None:
     first, again = driven(SCENES[0], "fixed"), scenes.driven(SCENES[0], "fixed")
     assert first is not again
@@ -76,6 +77,7 @@ def test_a_drive_and_a_figure_come_out_the_same_again(made: Made, tmp_path: Path
     assert (tmp_path / "again.png").read_bytes() == there.read_bytes()
 
 
+@pytest.mark.long
 def test_the_command_counts_the_claims(made: Made) -> None:
     known, shown = made.claims, made.shown
     assert {claim.paper for claim in known} == {PAPER}
@@ -177,6 +179,7 @@ def test_the_tuned_field_does_not_avoid_who_walks_in_any_direction() -> None:
     assert fixed.touched == pytest.approx(0.999, abs=0.005)
 
 
+@pytest.mark.long
 def test_every_claim_has_what_the_table_needs(made: Made) -> None:
     found = made.claims
     assert {claim.paper for claim in found} == {"003"}
@@ -188,6 +191,7 @@ def test_every_claim_has_what_the_table_needs(made: Made) -> None:
     assert len(keys) == len(set(keys))
 
 
+@pytest.mark.long
 def test_what_is_reproduced_what_is_fitted_and_what_is_not(made: Made) -> None:
     by_status = {
         status: {(claim.experiment, claim.claim) for claim in made.claims if claim.status is status}
@@ -209,6 +213,7 @@ def test_what_is_reproduced_what_is_fitted_and_what_is_not(made: Made) -> None:
     assert {f"scene {name}, driven" for name in "1234"} <= own
 
 
+@pytest.mark.long
 def test_the_figures_are_drawn(made: Made) -> None:
     figures = made.folder / "figures"
     names = {path.name for path in figures.iterdir()}

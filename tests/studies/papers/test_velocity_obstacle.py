@@ -11,6 +11,7 @@ from studies.papers.velocity_obstacle.oracle import Task, best_of
 from studies.papers.velocity_obstacle.scenes import AHEAD, BEHIND, E1, E2, Scene
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scene", "ahead", "behind"), [(E1, 2.7408, 6.0912), (E2, 17.2094, 1.4663)], ids=["E1", "E2"]
 )
@@ -62,6 +63,7 @@ def test_driven_step_by_step_with_one_or_two_programs_it_stays_within_a_hundredt
     assert scenes.driven_cost(scenes.problem(scene), passes) == pytest.approx(best, rel=0.01)
 
 
+@pytest.mark.long
 def test_the_lane_change_with_five_programs_a_step_is_at_its_optimum() -> None:
     problem = scenes.lane_change(1.0)
     best = min(scenes.optimum(problem, which).merit for which in (AHEAD, BEHIND))

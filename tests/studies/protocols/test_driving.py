@@ -9,6 +9,7 @@ import pytest
 from studies.protocols.driving import Driven, drive
 
 
+@pytest.mark.long
 @pytest.mark.sumo
 def test_cases_run_in_worker_processes_are_judged_and_resumed(tmp_path: Path) -> None:
     def driven() -> Driven:

@@ -30,6 +30,7 @@ def _lane_at_the_crossing(record: Ride) -> float:
     return float(y[np.argmax(x > 90.0)])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [CrossingKind.ZEBRA, CrossingKind.UNMARKED])
 def test_it_passes_behind_somebody_in_the_lane_that_they_have_left(kind: CrossingKind) -> None:
     stays, changes = _ride(float("inf"), kind=kind), _ride(1.0, kind=kind)
@@ -41,6 +42,7 @@ def test_it_passes_behind_somebody_in_the_lane_that_they_have_left(kind: Crossin
     assert changes.clearance() > 1.5
 
 
+@pytest.mark.long
 def test_a_vehicle_before_the_crossing_may_hide_somebody_so_none_is_made() -> None:
     """It has stopped in the lane that would be free."""
     record = _ride(1.0, [walk(88.0, 3.5, 0.0, 0.0)])

@@ -178,6 +178,7 @@ def test_a_cone_gives_the_same_outputs_for_the_same_inputs() -> None:
     assert np.array_equal(first.commands, second.commands)
 
 
+@pytest.mark.long
 def test_whoever_finds_no_slot_is_not_forgotten() -> None:
     """Eight people cross one after the other; six have a cone, the others bound the position."""
     walkers = [walk(62.0 + 0.3 * i, -6.0 - 0.8 * i, 0.0, 1.3) for i in range(8)]

@@ -172,6 +172,7 @@ def test_another_solver_finds_the_same_plan() -> None:
         assert ours.cost == pytest.approx(other.cost, rel=0.02, abs=0.05)
 
 
+@pytest.mark.long
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(
     speed=st.one_of(st.just(0.0), st.floats(0.0, 2.0), st.floats(0.0, 25.0)),
@@ -212,6 +213,7 @@ def test_it_has_one_after_the_last_check_braked_harder_than_a_plan_may(
     assert plan.command[-1] >= -hardest - TOLERANCE
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("solver", "share"), [("daqp", 0.0), ("osqp", 0.005)])
 def test_stops_are_found_one_after_the_other(solver: str, share: float) -> None:
     """OSQP may give up at its iteration limit now and then, on one machine in other programs than on another."""

@@ -37,6 +37,7 @@ def _planned(driver: Any, perception: Perception) -> FloatArray:
     return np.concatenate((command.acceleration, command.steering))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("solver", ["daqp", "osqp"])
 def test_who_else_drives_changes_nothing(solver: str) -> None:
     approaches = _approach(4, 12.0), _approach(2, 9.0)

@@ -66,6 +66,7 @@ def test_it_waits_for_somebody_who_stops_in_its_path() -> None:
     assert record.track[0].max() < 62.0
 
 
+@pytest.mark.long
 def test_it_goes_round_somebody_who_stays_in_its_path_for_good() -> None:
     """It stood half a metre short of where it had to stop, which did not count as being kept from moving."""
     record = ride(ONE_LANE, [walk(62.0, -5.0, 0.0, 1.3, stop=4.0)], duration=60.0)
@@ -257,6 +258,7 @@ def test_a_first_plan_that_fails_stops_at_once(moody: Moody) -> None:
     assert _plan(controller, 0.0, []).status == "fallback_comfortable_stop"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("solver", ["osqp", "piqp"])
 def test_a_solver_by_name_drives_the_same_way(solver: str) -> None:
     scene = [walk(62.0, -6.0, 0.0, 1.3)]

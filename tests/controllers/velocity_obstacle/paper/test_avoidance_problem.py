@@ -148,6 +148,7 @@ def test_the_cone_at_every_step_keeps_the_distance_in_between_as_well() -> None:
     assert clearances(problem.people, plan.states, 1.0).min() > -1e-3
 
 
+@pytest.mark.long
 @given(seed=st.integers(0, 10_000))
 def test_one_program_stays_within_the_bounds_and_never_makes_a_plan_worse(seed: int) -> None:
     problem = crossing().passed(np.array([-1.0]))

@@ -11,6 +11,8 @@ from controllers.arrays import FloatArray
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.toy_runs import Ride, ride
 
+pytestmark = pytest.mark.long
+
 SPEED = 10.0 / 3.6
 PLACE = 25.0
 """Place of the crossing [m]."""
