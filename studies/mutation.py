@@ -117,7 +117,7 @@ def _is_python(mutant: MutationSpec) -> bool:
 def survivors(place: Place, mutants: list[MutationSpec]) -> int:
     """Test each mutant, print the outcome and return how many survived."""
     tests = [_found(pattern) for pattern in place.tests]
-    command = " ".join([sys.executable, "-m pytest -x -q -n 0 -p no:cacheprovider", *tests])
+    command = " ".join([sys.executable, "-m pytest -x -q -n 0 -p no:cacheprovider -m 'not slow'", *tests])
     unchanged, output = run_tests(command, TIME_LIMIT)
     if unchanged is not TestOutcome.SURVIVED:
         raise SystemExit(f"the tests fail without a mutant:\n{output}")
