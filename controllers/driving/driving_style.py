@@ -17,9 +17,9 @@ class DrivingStyle:
     """Acceleration from standstill on a free road [m/s^2]."""
     deceleration: float = 2.0
     """Comfortable deceleration [m/s^2]."""
-    lateral_acceleration: float = 3.0
-    """Lateral acceleration in bends: a side friction of 0.32, for which low-speed streets are designed at
-    24 km/h [AASHTO2018]_ [m/s^2]."""
+    lateral_acceleration: float = 3.7
+    """Lateral acceleration in bends: a side friction of 0.38, for which low-speed streets are designed at
+    16 km/h [AASHTO2018]_ [m/s^2]."""
     slowest_bend: float = 2.0
     """Lowest speed in a bend, however sharp a coarse lane shape makes it seem [m/s]."""
     stop_gap: float = 0.5

@@ -28,8 +28,9 @@ APART = 3.0
 """Bends nearer to each other than this many of the vehicle's smallest radii count as one."""
 REACH = 12.0
 """How far before and behind a bend the way may leave the lanes [m]."""
-CALM = 0.8
-"""Following the way may use this share of the highest steering rate."""
+ANTICIPATION = 1.2
+"""A way may be driven this many times as fast as wheels can be turned where it bends most suddenly: drivers
+see the bend coming and turn them over a longer stretch."""
 SLOWEST = 2.0
 """The steering rate never lowers the speed in a bend below this [m/s]."""
 BEFORE = 2.5
@@ -121,7 +122,7 @@ def highest_speed(path: Path, start: float, end: float, turning: Turning) -> flo
     part = (path.along > start) & (path.along < end)
     angles = np.arctan(turning.wheelbase * path.curvature)
     fastest = float(np.abs(np.gradient(angles, path.along)[part]).max(initial=0.0))
-    return max(CALM * turning.rate / max(fastest, 1e-6), SLOWEST)
+    return max(ANTICIPATION * turning.rate / max(fastest, 1e-6), SLOWEST)
 
 
 class _Tight(NamedTuple):

@@ -5,9 +5,11 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
+from controllers.interface import Body
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 from cosim.sumo.network_file import read_network
@@ -17,8 +19,13 @@ from . import built
 
 pytestmark = pytest.mark.sumo
 
+FRONT = Body().front
 CORNER = (
     '<node id="w" x="-90" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-60" y="-72"/>',
+    "",
+)
+RIGHT_ANGLE = (
+    '<node id="w" x="-90" y="0"/><node id="j" x="0" y="0" radius="1"/><node id="s" x="0" y="-90"/>',
     "",
 )
 FORK = (
@@ -74,6 +81,23 @@ def test_an_ego_gets_round_a_sharp_bend_and_sumo_has_it_where_it_is(
     assert not egos["intervention"].any()
     assert egos["intervention_cause"].isna().all()
     assert egos["edge"].iloc[-1] == route.split()[-1]
+
+
+@pytest.mark.long
+def test_a_bend_made_drivable_is_driven_like_one_that_was(driven: Callable[..., Path]) -> None:
+    slowest = []
+    for route, redrawn in (("wj js", 1), ("sj jw", 0)):
+        folder = driven(RIGHT_ANGLE, route)
+        path = Route(read_network(folder.parent / "n.net.xml"), route.split(), "passenger").path(0, 0)
+        assert len(path.bends) == redrawn
+        egos = pd.read_parquet(folder / "egos.parquet")
+        heading = egos["heading_rad"]
+        axle = egos[["front_x_m", "front_y_m"]] - FRONT * np.column_stack([np.cos(heading), np.sin(heading)])
+        along, across, _ = path.curve.project(axle.to_numpy())
+        inside = (along > path.pieces[1].start - 3.0) & (along < path.pieces[1].end + 3.0)
+        assert np.abs(across[inside]).max() < 0.5
+        slowest.append(egos["speed_mps"][inside].min())
+    assert slowest[0] > 0.8 * slowest[1]
 
 
 @pytest.mark.long
