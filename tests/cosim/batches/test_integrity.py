@@ -17,7 +17,7 @@ from tests.cosim.batches import unruly
 from tests.cosim.batches.studies import batch, lasting, rows, runs, write_study
 from tests.cosim.cli.commands import ended
 
-pytestmark = [pytest.mark.sumo, pytest.mark.long]
+pytestmark = pytest.mark.sumo
 
 ROOT = Path(__file__).resolve().parents[3]
 BUSY = {"warmup_s": 5, "duration_s": 36, "pedestrians_per_hour": 1200, "vehicles_per_hour": 200}
@@ -97,6 +97,7 @@ def test_verify_takes_a_run_and_says_what_was_expected_of_other_folders(study: P
     assert "contains no runs; expected" in ended("verify", tmp_path / "empty", code=2).stderr
 
 
+@pytest.mark.long
 def test_a_batch_goes_on_without_damaged_runs_and_names_them(study: Path) -> None:
     undisturbed = lasting(study / "out")
     recording = run_of(study, "sumo", 1) / "neighbours.parquet"
@@ -135,6 +136,7 @@ def test_a_batch_goes_on_without_damaged_runs_and_names_them(study: Path) -> Non
     assert lasting(study / "out") == undisturbed
 
 
+@pytest.mark.long
 def test_the_tables_of_a_study_are_verified_too(study: Path) -> None:
     out = study / "out"
     tables = sorted(path.name for path in out.glob("*.csv"))
@@ -158,6 +160,7 @@ def test_the_tables_of_a_study_are_verified_too(study: Path) -> None:
     assert {name: (out / name).read_bytes() for name in undisturbed} == undisturbed
 
 
+@pytest.mark.long
 def test_compare_and_report_go_on_without_a_damaged_run_and_name_it(study: Path) -> None:
     for name in ("encounters.csv", "run.json"):
         run = run_of(study, "aeb", 1)
@@ -172,6 +175,7 @@ def test_compare_and_report_go_on_without_a_damaged_run_and_name_it(study: Path)
     ended("compare", "out", "--base", "sumo", "--alt", "aeb", folder=study)
 
 
+@pytest.mark.long
 def test_a_report_names_a_recording_that_it_could_not_replay(study: Path) -> None:
     path = run_of(study, "aeb", 1) / "neighbours.parquet"
     flip(path)
@@ -208,6 +212,7 @@ def test_analysing_again_mends_tables_and_takes_down_what_it_wrote(study: Path) 
     assert f"{run}/run.trj: " in ended("verify", run, code=3).stderr
 
 
+@pytest.mark.long
 def test_folders_of_before_are_read_with_a_line_that_says_so(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -237,6 +242,7 @@ def test_folders_of_before_are_read_with_a_line_that_says_so(
     assert f"3 of 4 {said}" in ended(*compare, folder=study).stdout
 
 
+@pytest.mark.long
 def test_the_time_that_hashes_take_of_a_batch_can_be_measured(study: Path) -> None:
     words = [sys.executable, str(ROOT / "benchmarks" / "verification.py"), str(study / "out" / "runs")]
     done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT)

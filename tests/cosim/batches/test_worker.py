@@ -39,7 +39,6 @@ def test_a_run_has_the_same_bytes_as_the_first_and_as_the_last_of_a_process(tmp_
     assert made[0] != made[1]
 
 
-@pytest.mark.long
 def test_a_run_is_not_disturbed_by_a_start_without_a_step_before_it(tmp_path: Path) -> None:
     job = some_job(duration_s="10")
     with Pool(1, Handling(120.0)) as pool:
@@ -91,7 +90,6 @@ class _ReadSlowly:
         return time.sleep, (1.0,)
 
 
-@pytest.mark.long
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes start otherwise elsewhere")
 def test_a_process_that_was_started_needs_nothing_of_the_pool_any_more() -> None:
     context = processes.context()

@@ -20,7 +20,7 @@ from tests.cosim.batches.studies import write_study
 from tests.cosim.cli.commands import ended
 from tests.cosim.cli.test_cli import refused
 
-pytestmark = [pytest.mark.sumo, pytest.mark.long]
+pytestmark = pytest.mark.sumo
 
 SHORT = ("--set", "duration_s=8", "--set", "warmup_s=2", "--jobs", "1")
 CRITERION = '[[criteria]]\nscope = "run"\nmetric = "{0}"\noperator = "{1}"\nthreshold = {2}\n'
@@ -76,6 +76,7 @@ def test_a_built_in_scenario_passes_and_the_same_command_makes_no_run_again(
     assert Path("out/criteria.csv").read_bytes() == content
 
 
+@pytest.mark.long
 def test_what_a_check_of_own_files_made_is_judged_again_from_any_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -123,6 +124,7 @@ def test_a_controller_that_does_nothing_fails_and_the_file_says_how_to_see_it_ag
     assert float(speeds[0]) == pytest.approx(float(row["value"]), abs=0.05)
 
 
+@pytest.mark.long
 def test_cases_of_a_protocol_pass_with_a_controller_that_brakes() -> None:
     check("suite:fmvss127/crossing_right_25_30kmh", "--out", "out", "--jobs", "1", code=0)
     (row,) = [row for row in rows(Path("out")) if row["scope"] == "case"]
@@ -144,6 +146,7 @@ def test_a_run_that_takes_too_long_is_invalid(tmp_path: Path) -> None:
     assert all("still running after run_timeout_s = 5 s" in str(error.get("message")) for error in errors)
 
 
+@pytest.mark.long
 def test_an_invalid_run_weighs_more_than_a_criterion_that_failed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -158,6 +161,7 @@ def test_an_invalid_run_weighs_more_than_a_criterion_that_failed(
     check(*arguments, "--out", "alone", code=1)
 
 
+@pytest.mark.long
 def test_a_teleported_ego_makes_a_run_invalid() -> None:
     arguments = ["midblock_zebra", *SHORT, "--controller", "sumo", "--out", "out"]
     check(*arguments, code=0)
@@ -171,6 +175,7 @@ def test_a_teleported_ego_makes_a_run_invalid() -> None:
     assert {row["status"] for row in rows(Path("out"))} == {"invalid"}
 
 
+@pytest.mark.long
 def test_statistics_of_a_configuration_are_those_of_the_study() -> None:
     Path("study").mkdir()
     table = (
@@ -217,6 +222,7 @@ def test_code_that_got_worse_fails_against_the_runs_of_before(tmp_path: Path) ->
     assert failed <= {row["metric"] for row in rows(Path("now")) if row["scope"] == "baseline"}
 
 
+@pytest.mark.long
 def test_a_baseline_of_another_road_or_study_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

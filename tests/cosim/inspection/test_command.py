@@ -79,7 +79,6 @@ def test_what_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "'many'" in line
 
 
-@pytest.mark.long
 def test_the_map_shows_every_crossing_and_has_the_same_bytes_twice(tmp_path: Path) -> None:
     build(tmp_path, *WALKS, *CROSSINGS)
     for name in ("one.svg", "two.svg", "one.png", "two.png"):

@@ -27,7 +27,6 @@ def study(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.long
 def test_every_table_is_a_sheet_with_units_and_every_column_has_a_definition(
     study: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -41,7 +41,6 @@ def arguments(folder: Path, out: Path, *more: str) -> list[str]:
     return [*words, "--out", str(out), *more]
 
 
-@pytest.mark.long
 def test_it_finds_preventable_failures_and_lists_the_others_apart(found: Path) -> None:
     trials = read_csv(found / "trials.csv")
     assert [row["trial"] for row in trials] == [str(number) for number in range(1, 11)]
@@ -111,7 +110,6 @@ def test_a_search_that_was_cut_short_resumes_to_the_same_bytes_with_another_numb
     assert all((cut / path).read_bytes() == (found / path).read_bytes() for path in ours)
 
 
-@pytest.mark.long
 def test_another_search_does_not_resume_in_its_folder(
     found: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -119,7 +117,6 @@ def test_another_search_does_not_resume_in_its_folder(
     assert "belongs to another search: there seed = 1" in capsys.readouterr().err
 
 
-@pytest.mark.long
 def test_a_search_of_another_space_does_not_resume_in_its_folder(
     found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
