@@ -27,7 +27,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
-MARKS ?= not long and not slow
+MARKS ?=
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 # Tools are compiled when they are first used: most of their modules never are.
 TOOLS := $(PIP) install --quiet --no-compile -c constraints.txt -e
@@ -88,7 +88,7 @@ demo: $(VENV)/installed-report
 # A file stays in one process, so that what its tests share is made once; the files at the end are short.
 test: $(VENV)/installed-dev
 	@.ci/browser
-	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder -m '$(MARKS)'
+	$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile --no-loadscope-reorder $(if $(MARKS),-m '$(MARKS)')
 
 test-slow: $(VENV)/installed-dev
 	$(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal -m slow

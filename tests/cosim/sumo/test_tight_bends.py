@@ -12,6 +12,7 @@ import pytest
 from controllers.interface import Body
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
+from cosim.step.frames import rear_axle_of
 from cosim.sumo.network_file import read_network
 from cosim.sumo.route import Route
 
@@ -19,7 +20,6 @@ from . import built
 
 pytestmark = pytest.mark.sumo
 
-FRONT = Body().front
 CORNER = (
     '<node id="w" x="-90" y="0"/><node id="j" x="0" y="0" radius="0"/><node id="s" x="-60" y="-72"/>',
     "",
@@ -91,9 +91,9 @@ def test_a_bend_made_drivable_is_driven_like_one_that_was(driven: Callable[..., 
         path = Route(read_network(folder.parent / "n.net.xml"), route.split(), "passenger").path(0, 0)
         assert len(path.bends) == redrawn
         egos = pd.read_parquet(folder / "egos.parquet")
-        heading = egos["heading_rad"]
-        axle = egos[["front_x_m", "front_y_m"]] - FRONT * np.column_stack([np.cos(heading), np.sin(heading)])
-        along, across, _ = path.curve.project(axle.to_numpy())
+        fronts = zip(egos["front_x_m"], egos["front_y_m"], egos["heading_rad"], strict=True)
+        axles = np.array([rear_axle_of(*front, Body().front) for front in fronts])
+        along, across, _ = path.curve.project(axles)
         inside = (along > path.pieces[1].start - 3.0) & (along < path.pieces[1].end + 3.0)
         assert np.abs(across[inside]).max() < 0.5
         slowest.append(egos["speed_mps"][inside].min())
