@@ -30,7 +30,7 @@ FREE, FAST = 0.8, 14.0
 """The passing speed rises to this speed at this distance; beyond it there is no limit [m, m/s]."""
 BESIDE_WALKERS = 1.0
 """Walking pedestrians may step aside: nearer than ``NEAR`` they are passed no faster than this [m/s]."""
-SETTING_OFF, STOPPING, REACTING, INCHING = 1.5, 8.0, 0.25, 0.5
+SETTING_OFF, STOPPING, REACTING, INCHING = 1.5, 8.0, 0.25, 0.25
 """Speed of pedestrians who set off from a crossing's end [m/s], deceleration and reaction time with which the
 ego stops for them [m/s^2, s], and lowest speed at which it passes them [m/s]."""
 HASTE = 2.5
@@ -103,7 +103,7 @@ def speed_to_stop(clearance: FloatArray, pace: float = SETTING_OFF) -> FloatArra
     """Return the speed from which the ego stops before a pedestrian at each distance has reached it [m/s].
 
     >>> speed_to_stop(np.array([0.2, 0.6, 0.75])).tolist()
-    [0.5, 1.2, 2.0]
+    [0.25, 1.2, 2.0]
     """
     return np.maximum(STOPPING * (clearance / pace - REACTING), INCHING).round(9)
 

@@ -13,14 +13,17 @@ from controllers.conflicts.bystanders import (
     FREE,
     INCHING,
     NEAR,
+    SETTING_OFF,
     SLOW,
+    STOPPING,
     Bystanders,
     bystanders,
     swing_out,
 )
 from controllers.conflicts.expected_behaviour import Expectation, PedestrianAssumptions, Watch, expected
-from controllers.interface import Body, CrossingKind, Perception
-from cosim.step.plant import body_of
+from controllers.driving.standing import STANDING
+from controllers.interface import Body, CrossingKind, Perception, constant_command
+from cosim.step.plant import CAR_DRIVE, Plant, body_of
 from cosim.step.toy_road import ToyRoad, walk
 from tests.controllers.scenes import Walker, bend, ego, perception, straight_road, zebra
 from tests.controllers.toy_runs import Ride, ride
@@ -81,6 +84,14 @@ def test_beside_somebody_who_waits_at_a_crossing_it_can_stop_before_they_reach_i
     allowed = waits[1].min()
     assert 0.0 < allowed < stays[1].min()
     assert allowed == INCHING or 0.25 + allowed / 8.0 == pytest.approx(gap / 1.5)
+
+
+def test_who_sets_off_beside_a_car_that_inches_past_them_meets_a_standing_one() -> None:
+    """A car that follows 0.1 s after they set off, 0.35 m away, and brakes with its own lag."""
+    plant = Plant(BODY, CAR_DRIVE, 0.0, 0.0, 0.0, INCHING)
+    seen, reached = 0.1, 0.35 / SETTING_OFF
+    plant.follow(constant_command(-STOPPING, 0.0), 0.0, reached - seen)
+    assert plant.speed < STANDING
 
 
 @pytest.mark.parametrize(("gap", "slower"), [(0.45, True), (NEAR + 0.05, False)])
