@@ -30,9 +30,12 @@ FREE, FAST = 0.8, 14.0
 """The passing speed rises to this speed at this distance; beyond it there is no limit [m, m/s]."""
 BESIDE_WALKERS = 1.0
 """Walking pedestrians may step aside: nearer than ``NEAR`` they are passed no faster than this [m/s]."""
-SETTING_OFF, STOPPING, REACTING, INCHING = 1.5, 8.0, 0.25, 0.25
+SETTING_OFF, STOPPING, REACTING = 1.5, 8.0, 0.25
 """Speed of pedestrians who set off from a crossing's end [m/s], deceleration and reaction time with which the
-ego stops for them [m/s^2, s], and lowest speed at which it passes them [m/s]."""
+ego stops for them [m/s^2, s]."""
+SEEN, FIRST_BRAKING, SLOWEST, SLOW_STOP = 0.1, 11.0, 0.15, 0.5
+"""A slow ego stands before its deceleration has built up: once it has seen them set off [s], it loses this
+times the square of the time [m/s^3]. Lowest speed past them, and speed up to which this holds [m/s]."""
 HASTE = 2.5
 """Pedestrians who stand in the road may set off as fast as they came, but no faster than this [m/s]."""
 UNBOUNDED = 100.0
@@ -102,10 +105,12 @@ def passing_speed(clearance: FloatArray) -> FloatArray:
 def speed_to_stop(clearance: FloatArray, pace: float = SETTING_OFF) -> FloatArray:
     """Return the speed from which the ego stops before a pedestrian at each distance has reached it [m/s].
 
-    >>> speed_to_stop(np.array([0.2, 0.6, 0.75])).tolist()
-    [0.25, 1.2, 2.0]
+    >>> speed_to_stop(np.array([0.2, 0.36, 0.6, 0.75])).tolist()
+    [0.15, 0.2156, 1.2, 2.0]
     """
-    return np.maximum(STOPPING * (clearance / pace - REACTING), INCHING).round(9)
+    time = clearance / pace
+    slow = np.clip(FIRST_BRAKING * np.maximum(time - SEEN, 0.0) ** 2, SLOWEST, SLOW_STOP)
+    return np.maximum(STOPPING * (time - REACTING), slow).round(9)
 
 
 def bystanders(
