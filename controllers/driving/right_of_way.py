@@ -40,6 +40,12 @@ PATIENCE = 3.0
 """A foe that has stood for this long is taken to let the ego go first [s]."""
 PATIENCE_INSIDE = 6.0
 """A foe that has stood this long with its front in the conflict is passed like any standing vehicle [s]."""
+SETS_OFF, NOSE = 2.5, 0.2
+"""A foe that lets the ego go first may set off with this acceleration, and is in the ego's way when it has
+come this much farther than to the conflict [m/s^2, m]."""
+REACTION, EMERGENCY, LEAST_PAST = 0.3, 6.0, 3.0
+"""The ego then brakes after this time and with this deceleration; lowest speed at which it passes a foe
+[s, m/s^2, m/s]."""
 SPEEDING_UP, COMES_FASTER, COMES = 0.5, 0.7, 4.0
 """A foe that has to yield to the ego is expected to come all the same if it would have to brake harder than
 the third value to stop before the conflict; if it speeds up by the first, than the second [m/s^2]."""
@@ -81,6 +87,25 @@ class RightOfWay:
         lights = self._lights(perception)
         foes = [self._before(foe, perception) for foe in road.foes if self._yields(foe, perception)]
         return [*lights, *self._signs(perception), *(stop for stop in foes if stop is not None)]
+
+    def passed(self, perception: Perception) -> tuple[FloatArray, FloatArray] | None:
+        """Return where the front bumper meets foes that let the ego go first [m], and how fast [m/s].
+
+        A foe that has stood for long may set off as the ego comes. Up to the speed returned, the ego passes
+        before the foe is in its way wherever it can no longer stop. ``None`` without such foes. To be called
+        after :meth:`stops`.
+        """
+        ego = perception.ego
+        let_go = [
+            foe
+            for foe in perception.road.foes
+            if self._ahead(foe, ego) and self._comes(foe) and self._lets_go(foe, ego.time)
+        ]
+        if not let_go:
+            return None
+        way = np.array([max(foe.foe_entry, 0.0) + NOSE for foe in let_go])
+        speed = 2.0 * EMERGENCY * (np.sqrt(2.0 * way / SETS_OFF) - REACTION)
+        return np.array([foe.entry for foe in let_go]), np.maximum(speed, LEAST_PAST)
 
     def _lights(self, perception: Perception) -> list[StopPlace]:
         """Return the lights to stop at.
@@ -141,13 +166,18 @@ class RightOfWay:
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
         """Return whether the ego has to let the foe go first."""
         ego = perception.ego
-        gone = foe.foe_exit <= 0.0
-        inside = foe.foe_entry <= 0.0
-        if gone or ego.body.front > foe.entry or not self._comes(foe):
-            return False
-        if self._standing.stood(foe.name, ego.time) >= (PATIENCE_INSIDE if inside else PATIENCE):
+        if not self._ahead(foe, ego) or not self._comes(foe) or self._lets_go(foe, ego.time):
             return False
         return self._meets(foe, perception, TIME_MARGIN, speeds_up=True)
+
+    def _ahead(self, foe: JunctionFoe, ego: EgoState) -> bool:
+        """Return whether the ego has not come to the conflict yet, nor the foe left it."""
+        return foe.foe_exit > 0.0 and ego.body.front <= foe.entry
+
+    def _lets_go(self, foe: JunctionFoe, time: float) -> bool:
+        """Return whether a foe has stood for so long that it is taken to let the ego go first."""
+        patience = PATIENCE_INSIDE if foe.foe_entry <= 0.0 else PATIENCE
+        return self._standing.stood(foe.name, time) >= patience
 
     def _meets(self, foe: JunctionFoe, perception: Perception, margin: float, speeds_up: bool) -> bool:
         """Return whether ego and foe, if both drive on, are in the conflict less than a margin apart.

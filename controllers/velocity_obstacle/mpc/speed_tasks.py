@@ -35,8 +35,8 @@ SLOW = 1.0
 CAREFUL_BEFORE = 5.0
 """The ego passes pedestrians who let it go first slowly from this distance before them [m]."""
 SLOWING_FOR_THE_ROAD, SLOWING_FOR_PEOPLE = 2.5, 1.5
-"""Decelerations before bends and speed limits, and before people who are passed slowly or may be hidden
-[m/s^2]."""
+"""Decelerations before bends and speed limits, and before people who are passed slowly or may be hidden, or
+vehicles that are [m/s^2]."""
 CEILING_SHARE, CEILING_MARGIN = 1.25, 0.3
 """How far bends and limits may be exceeded: factor on the comfortable lateral acceleration in bends, and
 addition to the resulting speeds and the limits [-, m/s]."""
@@ -60,6 +60,8 @@ class SpeedTasks:
     memory: PlanMemory
     right_of_way: RightOfWay
     stops: list[StopPlace] = field(default_factory=list)
+    _past_foes: SpeedLimit | None = None
+    """How fast the ego may come to vehicles that let it go first; ``None`` without any."""
     waiting_place: float = np.inf
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
     _kept_clear: set[str] = field(default_factory=set)
@@ -82,6 +84,8 @@ class SpeedTasks:
     def look(self, perception: Perception, waiting_place: float) -> None:
         """Take note of signals and of vehicles with priority."""
         self.stops = self.right_of_way.stops(perception)
+        passed = self.right_of_way.passed(perception)
+        self._past_foes = None if passed is None else (passed[0] - perception.ego.body.front, passed[1])
         if perception.ego.speed < SLOW:
             self._wait_for_the_ego = self._watched.look(perception)
         else:
@@ -132,7 +136,8 @@ class SpeedTasks:
         for along in watch.carefully_past(perception, s.assume):
             beside = (positions + front > along - CAREFUL_BEFORE) & (positions < along)
             reference = np.where(beside, np.minimum(reference, s.assume.careful_speed), reference)
-        for limit in (slowly, hidden_pedestrians.speed_limit(perception, swept(perception, lane), s.hidden)):
+        hidden = hidden_pedestrians.speed_limit(perception, swept(perception, lane), s.hidden)
+        for limit in (slowly, hidden, self._past_foes):
             if limit is not None:
                 slow = hidden_pedestrians.reached(*limit, positions, SLOWING_FOR_PEOPLE)
                 reference = np.minimum(reference, _without_a_run_up(slow, times, SPEEDING_UP))

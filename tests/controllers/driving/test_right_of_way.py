@@ -8,15 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 
+from controllers import catalog
 from controllers.driving.right_of_way import (
+    EMERGENCY,
+    LEAST_PAST,
+    NOSE,
     PATIENCE,
     PATIENCE_INSIDE,
+    REACTION,
+    SETS_OFF,
     RightOfWay,
     StopPlace,
     must_stop,
     travel_time,
 )
-from controllers.interface import JunctionFoe, Perception, Signal, SignalState, StopSign
+from controllers.interface import EgoState, JunctionFoe, Perception, Signal, SignalState, StopSign
+from tests.controllers.drives import drive
 from tests.controllers.scenes import Car, ego, perception, zebra
 
 
@@ -211,6 +218,47 @@ def test_one_that_stands_with_its_nose_in_the_conflict_is_waited_for_longer() ->
         assert rule.stops(perception(ego(0.0, time=time), foes=[inside])) != []
     assert rule.stops(perception(ego(0.0, time=PATIENCE_INSIDE), foes=[inside])) == []
     assert rule.stops(perception(ego(0.0, time=PATIENCE_INSIDE + 0.1), foes=[_foe(-0.5, 1.0)])) != []
+
+
+@pytest.mark.parametrize(("nose", "patience"), [(0.03, PATIENCE), (1.0, PATIENCE), (-0.5, PATIENCE_INSIDE)])
+def test_a_foe_that_lets_the_ego_go_first_is_passed_before_it_is_in_the_way_or_stopped_for(
+    nose: float, patience: float
+) -> None:
+    rule, standing = RightOfWay(1.8), _foe(nose, 0.0)
+    for time in (0.0, patience - 0.1, patience):
+        rule.stops(perception(ego(0.0, time=time), foes=[standing]))
+        found = rule.passed(perception(ego(0.0, time=time), foes=[standing]))
+        assert (found is not None) == (time == patience)
+    assert found is not None
+    place, (speed,) = found
+    assert place == pytest.approx([26.0])
+    arrives = np.sqrt(2.0 * (max(nose, 0.0) + NOSE) / SETS_OFF)
+    for gap in np.linspace(0.1, 20.0, 100):
+        stops = gap >= speed * REACTION + speed**2 / (2.0 * EMERGENCY)
+        assert stops or gap / speed <= arrives or speed == LEAST_PAST
+
+
+def test_foes_that_drive_that_yield_or_that_have_been_met_do_not_slow_the_ego_down() -> None:
+    for foe in (_foe(0.03, 1.0), _foe(0.03, 0.0, must_yield=False), replace(_foe(0.03, 0.0), entry=2.0)):
+        rule = RightOfWay(1.8)
+        for time in (0.0, PATIENCE_INSIDE):
+            rule.stops(perception(ego(0.0, time=time), foes=[foe]))
+        assert rule.passed(perception(ego(0.0, time=PATIENCE_INSIDE), foes=[foe])) is None
+
+
+@pytest.mark.parametrize(("nose", "slowly"), [(0.03, True), (6.0, False)])
+def test_vo_mpc_passes_slowly_where_a_foe_stands_with_its_nose_before_its_way(
+    nose: float, slowly: bool
+) -> None:
+    def scene(state: EgoState, travelled: float) -> Perception:
+        place = 70.0 - travelled
+        foe = JunctionFoe("foe", place, place + 5.0, place - 6.0, nose, nose + 10.0, 0.0, True)
+        return perception(state, foes=[foe])
+
+    driven = drive(catalog.build("vo_mpc"), scene, 6.0, 18.0)
+    at = int(np.argmax(driven[:, 1] + ego().body.front > 70.0))
+    assert at > 0, "it does not wait for ever"
+    assert (driven[at, 3] < LEAST_PAST + 0.4) == slowly
 
 
 def test_travel_time_speeds_up_and_then_keeps_the_limit() -> None:
