@@ -99,7 +99,7 @@ class RightOfWay:
         let_go = [
             foe
             for foe in perception.road.foes
-            if self._ahead(foe, ego) and self._comes(foe) and self._lets_go(foe, ego.time)
+            if _lies_ahead(foe, ego) and self._comes(foe) and self._lets_go(foe, ego.time)
         ]
         if not let_go:
             return None
@@ -166,13 +166,9 @@ class RightOfWay:
     def _yields(self, foe: JunctionFoe, perception: Perception) -> bool:
         """Return whether the ego has to let the foe go first."""
         ego = perception.ego
-        if not self._ahead(foe, ego) or not self._comes(foe) or self._lets_go(foe, ego.time):
+        if not _lies_ahead(foe, ego) or not self._comes(foe) or self._lets_go(foe, ego.time):
             return False
         return self._meets(foe, perception, TIME_MARGIN, speeds_up=True)
-
-    def _ahead(self, foe: JunctionFoe, ego: EgoState) -> bool:
-        """Return whether the ego has not come to the conflict yet, nor the foe left it."""
-        return foe.foe_exit > 0.0 and ego.body.front <= foe.entry
 
     def _lets_go(self, foe: JunctionFoe, time: float) -> bool:
         """Return whether a foe has stood for so long that it is taken to let the ego go first."""
@@ -235,6 +231,11 @@ class RightOfWay:
         if not _can_stop(foe.entry, ego, hardest):
             self.firm_line = min(self.firm_line, before)
         return StopPlace(foe.name, before)
+
+
+def _lies_ahead(foe: JunctionFoe, ego: EgoState) -> bool:
+    """Return whether the ego has not come to the conflict yet, nor the foe left it."""
+    return foe.foe_exit > 0.0 and ego.body.front <= foe.entry
 
 
 def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:

@@ -35,8 +35,8 @@ SLOW = 1.0
 CAREFUL_BEFORE = 5.0
 """The ego passes pedestrians who let it go first slowly from this distance before them [m]."""
 SLOWING_FOR_THE_ROAD, SLOWING_FOR_PEOPLE = 2.5, 1.5
-"""Decelerations before bends and speed limits, and before people who are passed slowly or may be hidden, or
-vehicles that are [m/s^2]."""
+"""Decelerations before bends and speed limits, and before people who are passed slowly or may be hidden, and
+vehicles that let the ego go first [m/s^2]."""
 CEILING_SHARE, CEILING_MARGIN = 1.25, 0.3
 """How far bends and limits may be exceeded: factor on the comfortable lateral acceleration in bends, and
 addition to the resulting speeds and the limits [-, m/s]."""
@@ -60,10 +60,10 @@ class SpeedTasks:
     memory: PlanMemory
     right_of_way: RightOfWay
     stops: list[StopPlace] = field(default_factory=list)
-    _past_foes: SpeedLimit | None = None
-    """How fast the ego may come to vehicles that let it go first; ``None`` without any."""
     waiting_place: float = np.inf
     """Where the front bumper waits in the present lane for a change to another; inf for nowhere [m]."""
+    _past_foes: SpeedLimit | None = None
+    """How fast the ego may come to vehicles that let it go first; ``None`` without any."""
     _kept_clear: set[str] = field(default_factory=set)
     _keeps_clear: set[str] = field(default_factory=set)
     # Crossings that the last plan kept clear, and those that this one does.
