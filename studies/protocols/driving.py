@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.sealing import seal
 from cosim.batches.job import Job
 from cosim.batches.progress import shown_checks, shown_tally
 from cosim.checks.check import CheckRequest, prepared
@@ -57,6 +58,7 @@ def drive(
         mine = list(_rows(evaluation))
         rows += mine
         files.append(write(out / evaluation.target.name, mine))
+        seal(files[-1].parent, files[-1:])
     return Driven(rows, files, result.exit_code)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from studies.protocols.driving import Driven, drive
+from studies.protocols.page import write_page
 
 
 @pytest.mark.long
@@ -32,3 +33,5 @@ def test_cases_run_in_worker_processes_are_judged_and_resumed(tmp_path: Path) ->
     assert driven().rows == found.rows
     assert file.read_bytes() == written
     assert {path: path.stat().st_mtime_ns for path in made} == made
+    write_page(tmp_path / "out", tmp_path / "page.md")
+    assert "| `aeb` | 2 of 2 |" in (tmp_path / "page.md").read_text("utf-8")
