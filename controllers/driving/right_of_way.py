@@ -14,7 +14,7 @@ from controllers.interface import EgoState, JunctionFoe, Perception, RoadAhead, 
 AMBER_DECELERATION = 3.0
 """The ego stops at an amber light if this deceleration is enough [m/s^2]."""
 HARD_SHARE = 0.75
-"""Share of the greatest deceleration that a stop at a red light or for a foe may need."""
+"""Share of the greatest deceleration that a stop at a red light, for a sign or for a foe may need."""
 OVERSHOOT = 1.0
 """The ego still stops at a line if it overruns it by no more than this [m]."""
 CONFLICT_GAP = 1.0
@@ -39,13 +39,12 @@ with this deceleration and this additional distance [m/s, m/s^2, m]."""
 PATIENCE = 3.0
 """A foe that has stood for this long is taken to let the ego go first [s]."""
 PATIENCE_INSIDE = 6.0
-"""A foe that has stood this long with its front in the conflict is passed like any standing vehicle [s]."""
+"""The same for a foe that stands with its front in the conflict [s]."""
 SETS_OFF, NOSE = 2.5, 0.2
 """A foe that lets the ego go first may set off with this acceleration, and is in the ego's way when it has
 come this much farther than to the conflict [m/s^2, m]."""
-REACTION, EMERGENCY, LEAST_PAST = 0.3, 6.0, 3.0
-"""The ego then brakes after this time and with this deceleration; lowest speed at which it passes a foe
-[s, m/s^2, m/s]."""
+REACTION, LEAST_PAST = 0.3, 3.0
+"""The ego then brakes after this time; lowest speed at which it passes a foe [s, m/s]."""
 SPEEDING_UP, COMES_FASTER, COMES = 0.5, 0.7, 4.0
 """A foe that has to yield to the ego is expected to come all the same if it would have to brake harder than
 the third value to stop before the conflict; if it speeds up by the first, than the second [m/s^2]."""
@@ -92,10 +91,10 @@ class RightOfWay:
         """Return where the front bumper meets foes that let the ego go first [m], and how fast [m/s].
 
         A foe that has stood for long may set off as the ego comes. Up to the speed returned, the ego passes
-        before the foe is in its way wherever it can no longer stop. ``None`` without such foes. To be called
-        after :meth:`stops`.
+        before the foe is in its way wherever it can no longer stop. ``None`` without such foes.
         """
         ego = perception.ego
+        self._watch(ego.time, perception.road)
         let_go = [
             foe
             for foe in perception.road.foes
@@ -103,8 +102,9 @@ class RightOfWay:
         ]
         if not let_go:
             return None
-        way = np.array([max(foe.foe_entry, 0.0) + NOSE for foe in let_go])
-        speed = 2.0 * EMERGENCY * (np.sqrt(2.0 * way / SETS_OFF) - REACTION)
+        ways = (max(foe.foe_entry, 0.0) + NOSE for foe in let_go)
+        arrives = np.array([travel_time(way, 0.0, SETS_OFF, math.inf) for way in ways])
+        speed = 2.0 * _hardest(ego) * (arrives - REACTION)
         return np.array([foe.entry for foe in let_go]), np.maximum(speed, LEAST_PAST)
 
     def _lights(self, perception: Perception) -> list[StopPlace]:
@@ -133,7 +133,7 @@ class RightOfWay:
         if ego.speed < STANDING:
             near = (sign for sign in signs if sign.stop_line - ego.body.front < AT_THE_SIGN)
             self._stopped_at |= {sign.name for sign in near}
-        slow, hardest = ego.speed < SLOW_AT_THE_SIGN, HARD_SHARE * ego.drive.max_deceleration
+        slow, hardest = ego.speed < SLOW_AT_THE_SIGN, _hardest(ego)
         here = ego.body.front + ego.speed**2 / (2.0 * STOPPING) + AND_MORE
         found: list[StopPlace] = []
         for sign in signs:
@@ -221,7 +221,7 @@ class RightOfWay:
         before = foe.entry - CONFLICT_GAP
         middle = before if foe.waiting_place is None else min(foe.waiting_place, before)
         inside = _waits_inside(foe, perception)
-        places, hardest = ((middle, 0.0), (before, 0.0)), HARD_SHARE * ego.drive.max_deceleration
+        places, hardest = ((middle, 0.0), (before, 0.0)), _hardest(ego)
         for place, overshoot in places if inside else ((foe.stop_line, OVERSHOOT), *places):
             if _can_stop(place + overshoot, ego, hardest):
                 return StopPlace(foe.name, place)
@@ -282,6 +282,11 @@ def travel_time(distance: float, speed: float, acceleration: float, limit: float
     if distance <= until_limit:
         return (math.sqrt(speed**2 + 2.0 * acceleration * distance) - speed) / acceleration
     return (limit - speed) / acceleration + (distance - until_limit) / limit
+
+
+def _hardest(ego: EgoState) -> float:
+    """Return the greatest deceleration that a stop for a sign or a foe may need [m/s^2]."""
+    return HARD_SHARE * ego.drive.max_deceleration
 
 
 def _can_stop(place: float, ego: EgoState, deceleration: float) -> bool:

@@ -57,8 +57,9 @@ def drive(
     for evaluation in result.evaluations:
         mine = list(_rows(evaluation))
         rows += mine
-        files.append(write(out / evaluation.target.name, mine))
-        seal(files[-1].parent, files[-1:])
+        file = write(out / evaluation.target.name, mine)
+        seal(file.parent, [file])
+        files.append(file)
     return Driven(rows, files, result.exit_code)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from controllers import catalog
 from controllers.driving.right_of_way import (
-    EMERGENCY,
+    HARD_SHARE,
     LEAST_PAST,
     NOSE,
     PATIENCE,
@@ -232,9 +232,10 @@ def test_a_foe_that_lets_the_ego_go_first_is_passed_before_it_is_in_the_way_or_s
     assert found is not None
     place, (speed,) = found
     assert place == pytest.approx([26.0])
+    hardest = HARD_SHARE * ego().drive.max_deceleration
     arrives = np.sqrt(2.0 * (max(nose, 0.0) + NOSE) / SETS_OFF)
     for gap in np.linspace(0.1, 20.0, 100):
-        stops = gap >= speed * REACTION + speed**2 / (2.0 * EMERGENCY)
+        stops = gap >= speed * REACTION + speed**2 / (2.0 * hardest)
         assert stops or gap / speed <= arrives or speed == LEAST_PAST
 
 
