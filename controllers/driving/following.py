@@ -72,10 +72,12 @@ class Following:
             *standing_places(perception, target_lane, stops, style),
         ]
         places, speeds, names = speed_targets(perception.road, ego.body.front, style)
-        if passed:
-            places = np.append(places, [max(one.gap, 0.0) for one in passed])
-            speeds = np.append(speeds, [style.passing_speed] * len(passed))
-            names = (*names, *(one.name for one in passed))
+        slowly = [(one.name, max(one.gap, 0.0), style.passing_speed) for one in passed]
+        let_go_first = self._right_of_way.passed(perception)
+        slowly += [(foe.name, foe.along - ego.body.front, foe.speed) for foe in let_go_first]
+        places = np.append(places, [place for _, place, _ in slowly])
+        speeds = np.append(speeds, [speed for _, _, speed in slowly])
+        names = (*names, *(name for name, _, _ in slowly))
         free = limit_now(perception.road, ego.body.front) if free_speed is None else free_speed
         result = np.zeros(len(times))
         speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0

@@ -58,6 +58,17 @@ class StopPlace:
     along: float
 
 
+@dataclass(frozen=True, slots=True)
+class PassedFoe:
+    """A vehicle that has stood for long and lets the ego go first, but may set off as the ego comes."""
+
+    name: str
+    along: float
+    """Where the front bumper meets it [m]."""
+    speed: float
+    """Up to this speed, the ego passes before it is in the way wherever the ego can no longer stop [m/s]."""
+
+
 class RightOfWay:
     """Decides at which places the ego has to stop.
 
@@ -87,25 +98,15 @@ class RightOfWay:
         foes = [self._before(foe, perception) for foe in road.foes if self._yields(foe, perception)]
         return [*lights, *self._signs(perception), *(stop for stop in foes if stop is not None)]
 
-    def passed(self, perception: Perception) -> tuple[FloatArray, FloatArray] | None:
-        """Return where the front bumper meets foes that let the ego go first [m], and how fast [m/s].
-
-        A foe that has stood for long may set off as the ego comes. Up to the speed returned, the ego passes
-        before the foe is in its way wherever it can no longer stop. ``None`` without such foes.
-        """
+    def passed(self, perception: Perception) -> list[PassedFoe]:
+        """Return the foes ahead that let the ego go first, in no order."""
         ego = perception.ego
         self._watch(ego.time, perception.road)
-        let_go = [
-            foe
+        return [
+            PassedFoe(foe.name, foe.entry, _passing_speed(foe, ego))
             for foe in perception.road.foes
             if _lies_ahead(foe, ego) and self._comes(foe) and self._lets_go(foe, ego.time)
         ]
-        if not let_go:
-            return None
-        ways = (max(foe.foe_entry, 0.0) + NOSE for foe in let_go)
-        arrives = np.array([travel_time(way, 0.0, SETS_OFF, math.inf) for way in ways])
-        speed = 2.0 * _hardest(ego) * (arrives - REACTION)
-        return np.array([foe.entry for foe in let_go]), np.maximum(speed, LEAST_PAST)
 
     def _lights(self, perception: Perception) -> list[StopPlace]:
         """Return the lights to stop at.
@@ -236,6 +237,12 @@ class RightOfWay:
 def _lies_ahead(foe: JunctionFoe, ego: EgoState) -> bool:
     """Return whether the ego has not come to the conflict yet, nor the foe left it."""
     return foe.foe_exit > 0.0 and ego.body.front <= foe.entry
+
+
+def _passing_speed(foe: JunctionFoe, ego: EgoState) -> float:
+    """Return the speed from which the ego stops before the foe, however it sets off, or has passed [m/s]."""
+    in_the_way = travel_time(max(foe.foe_entry, 0.0) + NOSE, 0.0, SETS_OFF, math.inf)
+    return max(2.0 * _hardest(ego) * (in_the_way - REACTION), LEAST_PAST)
 
 
 def _waits_inside(foe: JunctionFoe, perception: Perception) -> bool:

@@ -12,7 +12,7 @@ from controllers.conflicts import hidden_pedestrians
 from controllers.conflicts.expected_behaviour import Watch
 from controllers.driving import road_speeds
 from controllers.driving.keep_clear import keep_clear_line
-from controllers.driving.right_of_way import RightOfWay, StopPlace
+from controllers.driving.right_of_way import PassedFoe, RightOfWay, StopPlace
 from controllers.driving.standing import standing
 from controllers.driving.vehicles_ahead import Blockade, blockade
 from controllers.driving.waiting_for_the_ego import WaitingForTheEgo, in_queue
@@ -84,8 +84,7 @@ class SpeedTasks:
     def look(self, perception: Perception, waiting_place: float) -> None:
         """Take note of signals and of vehicles with priority."""
         self.stops = self.right_of_way.stops(perception)
-        passed = self.right_of_way.passed(perception)
-        self._past_foes = None if passed is None else (passed[0] - perception.ego.body.front, passed[1])
+        self._past_foes = _past_foes(self.right_of_way.passed(perception), perception.ego.body.front)
         if perception.ego.speed < SLOW:
             self._wait_for_the_ego = self._watched.look(perception)
         else:
@@ -217,6 +216,12 @@ class SpeedTasks:
             places.append((end, "lane end"))
         nearest, name = min(places)
         return nearest, name if np.isfinite(nearest) else ""
+
+
+def _past_foes(passed: Sequence[PassedFoe], front: float) -> SpeedLimit | None:
+    if not passed:
+        return None
+    return np.array([foe.along for foe in passed]) - front, np.array([foe.speed for foe in passed])
 
 
 def stopping_within(

@@ -228,10 +228,10 @@ def test_a_foe_that_lets_the_ego_go_first_is_passed_before_it_is_in_the_way_or_s
     for time in (0.0, patience - 0.1, patience):
         rule.stops(perception(ego(0.0, time=time), foes=[standing]))
         found = rule.passed(perception(ego(0.0, time=time), foes=[standing]))
-        assert (found is not None) == (time == patience)
-    assert found is not None
-    place, (speed,) = found
-    assert place == pytest.approx([26.0])
+        assert bool(found) == (time == patience)
+    (foe,) = found
+    assert foe.along == pytest.approx(26.0)
+    speed = foe.speed
     hardest = HARD_SHARE * ego().drive.max_deceleration
     arrives = np.sqrt(2.0 * (max(nose, 0.0) + NOSE) / SETS_OFF)
     for gap in np.linspace(0.1, 20.0, 100):
@@ -244,19 +244,20 @@ def test_foes_that_drive_that_yield_or_that_have_been_met_do_not_slow_the_ego_do
         rule = RightOfWay(1.8)
         for time in (0.0, PATIENCE_INSIDE):
             rule.stops(perception(ego(0.0, time=time), foes=[foe]))
-        assert rule.passed(perception(ego(0.0, time=PATIENCE_INSIDE), foes=[foe])) is None
+        assert rule.passed(perception(ego(0.0, time=PATIENCE_INSIDE), foes=[foe])) == []
 
 
+@pytest.mark.parametrize("controller", ["vo_mpc", "aeb", "trapezoid"])
 @pytest.mark.parametrize(("nose", "slowly"), [(0.03, True), (6.0, False)])
-def test_vo_mpc_passes_slowly_where_a_foe_stands_with_its_nose_before_its_way(
-    nose: float, slowly: bool
+def test_an_ego_passes_slowly_where_a_foe_stands_with_its_nose_before_its_way(
+    nose: float, slowly: bool, controller: str
 ) -> None:
     def scene(state: EgoState, travelled: float) -> Perception:
         place = 70.0 - travelled
         foe = JunctionFoe("foe", place, place + 5.0, place - 6.0, nose, nose + 10.0, 0.0, True)
         return perception(state, foes=[foe])
 
-    driven = drive(catalog.build("vo_mpc"), scene, 6.0, 18.0)
+    driven = drive(catalog.build(controller), scene, 6.0, 18.0)
     at = int(np.argmax(driven[:, 1] + ego().body.front > 70.0))
     assert at > 0, "it does not wait for ever"
     assert (driven[at, 3] < LEAST_PAST + 0.4) == slowly
