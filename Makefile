@@ -45,16 +45,20 @@ help:
 	@sed -n 's/^# //p' Makefile
 
 # The environment is made afresh whenever its description changes.
-$(VENV)/installed: pyproject.toml constraints.txt
+$(VENV)/made: pyproject.toml constraints.txt
 	rm -rf $(VENV)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, this is " + sys.version.split()[0])'
 	$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/installed: $(VENV)/made
 	$(PIP) install --quiet -c constraints.txt -e .
 	@touch $@
 
-$(VENV)/installed-dev: $(VENV)/installed
+# At once, and so with all that is installed without an extra.
+$(VENV)/installed-dev: $(VENV)/made
 	$(TOOLS) '.[dev]'
-	@touch $@
+	@touch $(VENV)/installed $@
 
 $(VENV)/installed-papers: $(VENV)/installed
 	$(TOOLS) '.[papers]'

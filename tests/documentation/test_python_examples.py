@@ -42,6 +42,7 @@ LONG, BRIEF = (
     '"duration_s": 22, "warmup_s": 10, "pedestrians_per_hour": 900',
 )
 """The same of the notebook."""
+CODE = re.compile(r"^```py\n.*?^```", re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.long
@@ -73,9 +74,15 @@ def test_the_blocks_of_a_page_run_one_after_the_other(
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.long
+def test_the_page_of_the_notebook_is_of_its_cells() -> None:
+    text, _ = notebook.page_of(notebook.read(ROOT / "docs" / notebook.SOURCE))
+    page = (ROOT / "docs" / notebook.PAGE).read_text("utf-8")
+    assert CODE.findall(page) == CODE.findall(text) != []
+
+
+@pytest.mark.slow
 @pytest.mark.sumo
-def test_the_notebook_runs_and_its_page_is_of_the_same_cells(tmp_path: Path) -> None:
+def test_the_notebook_runs_and_gives_its_page(tmp_path: Path) -> None:
     source = (ROOT / "docs" / notebook.SOURCE).read_text("utf-8")
     long, brief = (json.dumps(text)[1:-1] for text in (LONG, BRIEF))  # as within a file of JSON
     assert long in source
@@ -84,8 +91,7 @@ def test_the_notebook_runs_and_its_page_is_of_the_same_cells(tmp_path: Path) -> 
     executed, pictures = notebook.page_of(notebook.executed(shorter))
     text = executed.replace(BRIEF, LONG)
     page = (ROOT / "docs" / notebook.PAGE).read_text("utf-8")
-    code = re.compile(r"^```py\n.*?^```", re.DOTALL | re.MULTILINE)
-    assert code.findall(page) == code.findall(text)
+    assert CODE.findall(page) == CODE.findall(text)
     assert re.findall(r"!\[.*", page) == re.findall(r"!\[.*", text)
     assert len(pictures) == 1
     for name, content in pictures.items():

@@ -259,7 +259,7 @@ def test_the_levels_of_every_study_file_are_run_one_after_the_other(tmp_path: Pa
     assert sum(json.loads((tmp_path / "plan.json").read_text())["runs"].values()) == 3 * (5 * 15 + 1)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.sumo
 def test_the_network_that_nobody_tuned_for_is_the_same_at_every_level(tmp_path: Path) -> None:
     made = studies(tmp_path, [Path("untuned_network")], LEVELS, seeds=None)

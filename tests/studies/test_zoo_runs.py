@@ -62,7 +62,12 @@ def content(folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.sumo
 @pytest.mark.parametrize(
-    "name", ["random-short", "refuges", "rilsa1", pytest.param("rilsa3", marks=pytest.mark.slow)]
+    "name",
+    [
+        "random-short",
+        "rilsa1",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("refuges", "rilsa3")),
+    ],
 )
 def test_a_seed_makes_the_same_bytes(name: str, towns: Towns, tmp_path: Path) -> None:
     one = content(towns(name, SEED).parent)

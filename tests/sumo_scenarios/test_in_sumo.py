@@ -26,10 +26,13 @@ CROSSINGS = {
     "jaywalk_arterial": 0,
     "bus_stop_occlusion": 0,
 }
+SLOW = {"braunschweig_calibrated"}  # the roads of braunschweig with other demand
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in names()]
+)
 def test_vehicles_move_and_pedestrians_cross(name: str, tmp_path: Path) -> None:
     import libsumo
 

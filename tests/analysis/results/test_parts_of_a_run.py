@@ -76,7 +76,7 @@ def add_sensing(folder: Path) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("sensing", [False, True])
+@pytest.mark.parametrize("sensing", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_run_judged_in_parts_gives_the_same_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sensing: bool
 ) -> None:

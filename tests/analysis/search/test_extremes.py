@@ -24,7 +24,7 @@ def margins(probability: float, count: int, seed: int) -> FloatArray:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("probability", [0.01, 0.001])
+@pytest.mark.parametrize("probability", [0.01, pytest.param(0.001, marks=pytest.mark.slow)])
 def test_most_intervals_hold_the_probability_of_a_tail_that_is_of_this_kind(probability: float) -> None:
     found = [extrapolated(margins(probability, 2000, seed), seed) for seed in range(20)]
     held = [one is not None and one.low <= probability <= one.high for one in found]

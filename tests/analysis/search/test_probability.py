@@ -68,7 +68,7 @@ def test_importance_sampling_needs_less_than_a_hundredth_of_the_runs_of_crude_sa
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("method", ["subset", "importance"])
+@pytest.mark.parametrize("method", ["subset", pytest.param("importance", marks=pytest.mark.slow)])
 def test_intervals_hold_what_has_two_regions(method: str) -> None:
     distance = -norm.ppf(0.5e-5)
 

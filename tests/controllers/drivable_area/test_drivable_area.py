@@ -52,7 +52,12 @@ def test_without_pedestrians_it_drives_as_a_driver_without_them_does() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("start", "distance"),
-    [(-6.0, 25.0), (-4.0, 45.0), (-2.5, 25.0), (-2.5, 45.0), (1.0, 45.0), (4.0, 25.0)],
+    [
+        (-4.0, 45.0),
+        (-2.5, 25.0),
+        (4.0, 25.0),
+        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((-6.0, 25.0), (-2.5, 45.0), (1.0, 45.0))),
+    ],
 )
 def test_somebody_who_crosses_is_not_touched(start: float, distance: float) -> None:
     way = -1.0 if start > 0.0 else 1.0
@@ -106,7 +111,7 @@ def test_it_stays_on_the_road() -> None:
     assert np.abs(ride.track[1]).max() + 0.9 < 1.75
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_crowd_on_a_zebra_is_not_touched() -> None:
     drawn = np.random.default_rng(5)
     crowd = [
@@ -209,12 +214,10 @@ def test_the_seed_decides_the_draws_and_nothing_else_does() -> None:
 @pytest.mark.parametrize(
     ("entropy", "speed_risk"),
     [
-        ("shannon", "m/s"),
         ("shannon", "stopping_distance"),
         ("paper", "km/h"),
-        ("paper", "m/s"),
         ("risk", "squared"),
-        ("risk", "m/s"),
+        *(pytest.param(entropy, "m/s", marks=pytest.mark.slow) for entropy in ("shannon", "paper", "risk")),
     ],
 )
 def test_every_mode_gets_past_somebody(entropy: str, speed_risk: str) -> None:

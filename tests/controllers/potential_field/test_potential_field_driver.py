@@ -168,7 +168,9 @@ def _drawn_walk(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("count", "seed"), [(2, 1), pytest.param(5, 2, marks=pytest.mark.slow), (20, 1)])
+@pytest.mark.parametrize(
+    ("count", "seed"), [(2, 1), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((5, 2), (20, 1)))]
+)
 def test_several_pedestrians_and_traffic_are_survived_on_the_road(count: int, seed: int) -> None:
     road = ToyRoad(lanes=2, lane_width=3.5, speed_limit=13.89, crossings=(ToyCrossing(55.0),))
     drawn = np.random.default_rng(seed)

@@ -27,6 +27,9 @@ LEFT = ("south_approach", "west_exit")
 Signals = dict[str, tuple[float, SignalState]]
 
 
+AEB_TOO = pytest.param("aeb", marks=pytest.mark.slow)
+
+
 class RedLightWatch(Recorder):
     """Records, and notes who passes a stop line while its light is red, and who stands before one."""
 
@@ -52,7 +55,7 @@ class RedLightWatch(Recorder):
         self._seen: dict[str, Signals] = {}
 
 
-@pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
+@pytest.mark.parametrize("controller", ["vo_mpc", AEB_TOO])
 def test_an_ego_turns_left_through_the_oncoming_traffic_and_arrives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, controller: str
 ) -> None:
@@ -81,7 +84,7 @@ def test_egos_cross_it_by_its_rules_and_arrive(
     assert last["time_s"].max() < until_s - 0.5
 
 
-@pytest.mark.parametrize("controller", ["vo_mpc", "aeb"])
+@pytest.mark.parametrize("controller", ["vo_mpc", AEB_TOO])
 def test_an_ego_with_no_car_ahead_waits_at_the_red_light_and_drives_on_at_green(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, controller: str
 ) -> None:

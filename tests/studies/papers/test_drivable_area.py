@@ -119,7 +119,7 @@ def test_the_grid_says_the_same_of_nearness_as_the_closed_form_of_a_straight_rid
     assert near == pytest.approx(closed, abs=0.01)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_readings_of_the_distance_cost(results: Results) -> None:
     claims = {claim.experiment: claim for claim in results[0] if claim.experiment.startswith("cost_d, ")}
     for form, fit in (
@@ -163,8 +163,8 @@ def test_the_closed_loops(one: Situation) -> None:
         assert strict < brakes
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("which", ["results", pytest.param("all_results", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["results", "all_results"])
 def test_no_claim_lacks_a_status_or_a_reason_and_every_figure_is_there(
     which: str, request: pytest.FixtureRequest
 ) -> None:
@@ -190,7 +190,7 @@ def test_a_second_run_gives_the_same_bytes(
         assert path.read_bytes() == (tmp_path / path.name).read_bytes()
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_what_the_paper_says_is_sorted_as_it_came_out(results: Results) -> None:
     status = {(claim.experiment, claim.claim): claim.status for claim in results[0]}
     assert (

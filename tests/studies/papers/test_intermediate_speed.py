@@ -97,7 +97,7 @@ def test_in_all_families_and_periods_the_new_planner_settles_first() -> None:
     assert max(settled) == pytest.approx(41.85, abs=0.1)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_with_slow_actuators_naive_replanning_swings_and_overruns(delayed: Delayed) -> None:
     late = delayed.naive.moving.after(80.0).speed
     assert late.min() == pytest.approx(4.60, abs=0.02)
@@ -107,7 +107,7 @@ def test_with_slow_actuators_naive_replanning_swings_and_overruns(delayed: Delay
     assert delayed.naive.standing.gap[-1] == pytest.approx(1.0, abs=0.05)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_with_slow_actuators_replanning_by_events_does_not(delayed: Delayed) -> None:
     assert delayed.event.standing.gap[-1] == pytest.approx(2.5, abs=0.02)
     # 43.6 s in the reading, which takes a plan for over when its last command is given, not when it acts.
@@ -115,14 +115,14 @@ def test_with_slow_actuators_replanning_by_events_does_not(delayed: Delayed) -> 
     assert delayed.event.moving.after(60.0).range_of_speed() < 0.01
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_with_slow_actuators_a_plan_from_the_predicted_state_is_exact(delayed: Delayed) -> None:
     assert delayed.predicted.standing.gap[-1] == pytest.approx(2.5, abs=0.02)
     assert delayed.predicted.moving.gap[-1] == pytest.approx(24.0, abs=0.01)
     assert delayed.predicted.moving.settles() < 41.0
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_every_claim_has_a_status_and_the_wide_swings_are_not_reproduced(tmp_path: Path) -> None:
     claims: list[Claim] = experiments.run(tmp_path)
     missed = [claim for claim in claims if claim.status is Status.NOT_REPRODUCED]

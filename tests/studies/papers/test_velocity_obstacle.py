@@ -63,7 +63,7 @@ def test_driven_step_by_step_with_one_or_two_programs_it_stays_within_a_hundredt
     assert scenes.driven_cost(scenes.problem(scene), passes) == pytest.approx(best, rel=0.01)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_lane_change_with_five_programs_a_step_is_at_its_optimum() -> None:
     problem = scenes.lane_change(1.0)
     best = min(scenes.optimum(problem, which).merit for which in (AHEAD, BEHIND))

@@ -53,7 +53,11 @@ def _gaps(record: Ride) -> tuple[FloatArray, FloatArray]:
 
 @pytest.mark.parametrize(
     ("pedestrian", "steps"),
-    [(ADULT, LONG), (RUNNER, LONG), (ADULT, FINE), pytest.param(RUNNER, FINE, marks=pytest.mark.slow)],
+    [
+        (ADULT, LONG),
+        (RUNNER, LONG),
+        *(pytest.param(one, FINE, marks=pytest.mark.slow) for one in (ADULT, RUNNER)),
+    ],
 )
 def test_a_car_touches_somebody_before_they_are_in_the_papers_disc(
     pedestrian: tuple[float, float], steps: str
