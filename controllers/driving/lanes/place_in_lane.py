@@ -100,15 +100,16 @@ def _shift(perception: Perception, lane: Lane, stays: NDArray[np.bool_]) -> floa
     if not people and not vehicles.any():
         return 0.0
     way = way_into_lane.along_lane(perception, lane.offset, LOOK_AHEAD)
-    beside, gap = jutting_in(perception, lane, vehicles, way)
-    gap = gap + NEARER
-    if people:
-        who = _passed(perception, way, stays, aside)
-        beside, gap = np.concatenate((beside, who[0])), np.concatenate((gap, who[1]))
+    side, to_them = jutting_in(perception, lane, vehicles, way)
+    beside, gap = _passed(perception, way, stays, aside) if people else (np.zeros(0), np.zeros(0))
     room = max(0.5 * lane.width - half - TO_THE_LINE, 0.0)
     to_right, to_left = _to_vehicles(perception, lane, way)
-    from_right = _wanted(gap[beside < 0.0], room, to_left)
-    from_left = _wanted(gap[beside > 0.0], room, to_right)
+    # Between people the ego takes the middle; for a vehicle it does not move too near to people.
+    right, left = gap[beside < 0.0], gap[beside > 0.0]
+    past_right = min(to_left, _to_people(left))
+    past_left = min(to_right, _to_people(right))
+    from_right = max(_wanted(right, room, to_left), _wanted(to_them[side < 0.0] + NEARER, room, past_right))
+    from_left = max(_wanted(left, room, to_right), _wanted(to_them[side > 0.0] + NEARER, room, past_left))
     if from_right > 0.0 and from_left > 0.0:
         return 0.5 * (from_right - from_left)
     return from_right - from_left
@@ -135,18 +136,23 @@ def _passed(
 
 
 def _wanted(gap: FloatArray, room: float, free: float) -> float:
-    """Return how far to move away from people on one side [m].
+    """Return how far to move away from people or vehicles on one side [m].
 
     Parameters
     ----------
     gap : gap to each of them without any shift [m]
-    room, free : room on the other side within the lane, and up to the vehicles there [m]
+    room, free : room on the other side within the lane, and up to who is there [m]
     """
     passable = gap[(gap < WANTED) & (gap + min(room + BEYOND, free) > LEAST)]
     if not len(passable):
         return 0.0
     least = float(passable.min())
     return max(min(WANTED - least, room, free), min(ENOUGH - least, free))
+
+
+def _to_people(gap: FloatArray) -> float:
+    """Return how far the body may move before it is too near to one of the people on that side [m]."""
+    return max(float(gap.min(initial=np.inf)) - ENOUGH, 0.0)
 
 
 def _to_vehicles(perception: Perception, lane: Lane, way: FloatArray) -> tuple[float, float]:

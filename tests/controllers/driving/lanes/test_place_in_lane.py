@@ -119,6 +119,14 @@ def test_a_standing_car_that_juts_in_is_passed_beside() -> None:
     assert _offset([], [_nose(-0.7)]) == 0.0, "it is far enough away"
 
 
+@pytest.mark.parametrize(("gap", "moved"), [(1.2, 0.0), (1.6, 1.6 - place_in_lane.ENOUGH), (1.9, 1.2)])
+def test_for_a_car_the_ego_does_not_move_too_near_to_people_on_the_other_side(
+    gap: float, moved: float
+) -> None:
+    assert _offset([], [_nose(0.9)]) == pytest.approx(1.2)
+    assert _offset([_beside(gap, 1.0)], [_nose(0.9)]) == pytest.approx(moved)
+
+
 def test_a_car_that_juts_in_too_far_or_drives_or_is_followed_is_not() -> None:
     assert _offset([], [_nose(1.6)]) == 0.0
     assert _offset([], [_nose(0.9, speed=1.0)]) == 0.0
