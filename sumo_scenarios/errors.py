@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
 
 class ScenarioError(ValueError):
     """A scenario that cannot be found, read or prepared; the text is one line that says what exists."""
@@ -18,3 +21,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     near = difflib.get_close_matches(name, list(known), n=1)
     return f"did you mean {near[0]!r}? " if near else ""
+
+
+def most_telling(error: ValidationError) -> ErrorDetails:
+    """Return the mistake to report: an unknown key before a missing one, which may be the same, misspelt."""
+    found = error.errors(include_url=False)
+    return next((one for one in found if one["type"] == "extra_forbidden"), found[0])

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from sumo_scenarios.distribution import Distribution, read_distribution
-from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.errors import ScenarioError, did_you_mean, most_telling
 from sumo_scenarios.trajectories import FASTEST_MPS, read_trajectories
 
 KINDS = ("trajectory", "line", "jaywalk", "crossing")
@@ -292,11 +292,12 @@ def _read_row(row: Mapping[str, Any], place: str) -> PedestrianTable:
 
 
 def _first_line(error: ValidationError, table: type[BaseModel]) -> str:
-    details = error.errors(include_url=False)[0]
+    details = most_telling(error)
     key = ".".join(str(part) for part in details["loc"])
     message = str(details["msg"]).removeprefix("Value error, ")
     if details["type"] == "extra_forbidden":
-        return f"unknown key '{key}'; keys of this kind: {', '.join(table.model_fields)}"
+        hint = did_you_mean(key, table.model_fields)
+        return f"unknown key '{key}'; {hint}keys of this kind: {', '.join(table.model_fields)}"
     if details["type"] == "missing":
         return f"key '{key}' is missing"
     if details["type"] == "value_error":

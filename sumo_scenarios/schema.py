@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 from pydantic_core import ErrorDetails
 
-from sumo_scenarios.errors import ScenarioError
+from sumo_scenarios.errors import ScenarioError, did_you_mean, most_telling
 from sumo_scenarios.netconvert_options import check_options
 
 SHORTEST_STEP_S = 0.05
@@ -228,10 +228,12 @@ def read_table(path: Path) -> ScenarioTable:
 
 
 def _first_line(error: ValidationError) -> str:
-    details = error.errors(include_url=False)[0]
+    details = most_telling(error)
     key = ".".join(str(part) for part in details["loc"])
     if details["type"] == "extra_forbidden":
-        return f"unknown key '{key}'; keys that exist here: {', '.join(_keys_beside(details['loc']))}"
+        exist = _keys_beside(details["loc"])
+        hint = did_you_mean(str(details["loc"][-1]), exist)
+        return f"unknown key '{key}'; {hint}keys that exist here: {', '.join(exist)}"
     if details["type"] == "missing":
         return f"key '{key}' is missing"
     if details["type"] == "value_error":

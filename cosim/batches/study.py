@@ -14,6 +14,7 @@ from analysis.recording.extent import EGOS
 from controllers.outside.addresses import is_address
 from cosim.errors import InputError
 from cosim.toml_files import read_toml
+from sumo_scenarios.errors import did_you_mean, most_telling
 
 Value = bool | int | float | str
 LARGEST_SEED = 2**31 - 1
@@ -230,12 +231,12 @@ def _first_repeated(values: Iterable[Value]) -> Value | None:
 
 
 def _first_line(error: ValidationError) -> str:
-    details = error.errors(include_url=False)[0]
+    details = most_telling(error)
     location = [str(part) for part in details["loc"] if not _is_a_type(part)]
     key = ".".join(location)
     if details["type"] == "extra_forbidden":
         exist = [field.alias or name for name, field in StudyTable.model_fields.items()]
-        return f"unknown key '{key}'; keys that exist: {', '.join(exist)}"
+        return f"unknown key '{key}'; {did_you_mean(key, exist)}keys that exist: {', '.join(exist)}"
     if details["type"] == "missing":
         return f"key '{key}' is missing"
     if location[0] == "seeds":

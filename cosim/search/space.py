@@ -16,6 +16,7 @@ from analysis.search.axes import Axis, Value, rounded
 from cosim.errors import InputError
 from cosim.toml_files import read_toml
 from sumo_scenarios.distribution import Distribution, read_distribution
+from sumo_scenarios.errors import most_telling
 
 LONGEST_PASSAGE_S = 30.0
 """Longest simulated time of a trial after its warm-up [s]."""
@@ -244,14 +245,15 @@ def _parameter(name: str, table: ParameterTable, place: str) -> Parameter:
 
 
 def _first_line(error: ValidationError) -> str:
-    details = error.errors(include_url=False)[0]
+    details = most_telling(error)
     key = ".".join(str(part) for part in details["loc"])
     message = str(details["msg"]).removeprefix("Value error, ")
     if details["type"] == "extra_forbidden":
         tables: dict[str, type[BaseModel]] = {"parameters": ParameterTable, "where": WhereTable}
         first = str(details["loc"][0])
         table = tables.get(first, SearchTable) if len(details["loc"]) > 1 else SearchTable
-        return f"unknown key '{key}'; keys that exist here: {', '.join(table.model_fields)}"
+        hint = did_you_mean(str(details["loc"][-1]), table.model_fields)
+        return f"unknown key '{key}'; {hint}keys that exist here: {', '.join(table.model_fields)}"
     if details["type"] == "value_error":
         return f"{key}: {message}"
     return f"key '{key}': {message[:1].lower()}{message[1:]}, got {details['input']!r}"

@@ -98,6 +98,12 @@ def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path: Path) -> None:
         read_study(tmp_path / "bytes.toml")
 
 
+def test_a_misspelt_key_is_named_and_not_the_one_that_is_missing_for_it(tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text('scenarios = ["a"]\ncontrolers = ["aeb"]\nseeds = "1"\n')
+    with pytest.raises(InputError, match=r"unknown key 'controlers'; did you mean 'controllers'\?"):
+        read_study(tmp_path / "s.toml")
+
+
 def test_a_key_that_is_missing_is_named(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text('scenarios = ["midblock_zebra"]\nseeds = "1"\n')
     with pytest.raises(InputError, match="key 'controllers' is missing"):
