@@ -110,7 +110,7 @@ class PathBend:
     """A bend in which the lanes turn more tightly than the vehicle can, so that the path is drawn wider."""
 
     lane: str
-    """Lane that bends; if several do, the first one inside a junction."""
+    """Lane that bends: of those inside junctions, the one nearest to the middle of the bend."""
     start: float
     """Where the path leaves the lanes, and where it returns to them [m]."""
     end: float
@@ -211,10 +211,11 @@ class LanePath:
 
     def _path_bend(self, bend: Bend) -> PathBend:
         start, end = self.curve.station_along(bend.start), self.curve.station_along(bend.end)
-        on_it = self.between(start, end)
+        on_it = self.between(start, end) or [self.piece_at(start)]
         inside = [piece for piece in on_it if piece.lane.internal]
-        lane = (inside or on_it or [self.piece_at(start)])[0].lane.name
-        return PathBend(lane, start, end, bend.off)
+        middle = 0.5 * (start + end)
+        nearest = min(inside or on_it, key=lambda piece: max(piece.start - middle, middle - piece.end))
+        return PathBend(nearest.lane.name, start, end, bend.off)
 
     def beside(self, other: LanePath) -> FloatArray:
         """Return how far left of this path another lies, at each sample [m]; nan where it is not beside."""

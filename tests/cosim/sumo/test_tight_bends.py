@@ -133,3 +133,16 @@ def test_places_on_the_path_through_a_sharp_bend_are_those_of_the_lanes(tmp_path
             assert along[0] - piece.start == pytest.approx(position, abs=0.02)
         else:
             assert piece.end - along[0] == pytest.approx(piece.lane.shape_length - position, abs=0.02)
+
+
+def test_a_bend_is_named_after_the_lane_that_bends_and_not_after_another_in_a_junction_before(
+    tmp_path: Path,
+) -> None:
+    nodes = CORNER[0] + '<node id="k" x="-9" y="0" radius="1"/>'
+    edges = '<edge id="wk" from="w" to="k"/><edge id="kj" from="k" to="j"/><edge id="js" from="j" to="s"/>'
+    built.network(tmp_path, nodes, edges)
+    path = Route(read_network(tmp_path / "n.net.xml"), ["wk", "kj", "js"], "passenger").path(0, 0)
+    (bend,) = path.bends
+    straight, bent = (piece for piece in path.pieces if piece.lane.internal)
+    assert bend.start < straight.end, "its way begins in the junction before"
+    assert bend.lane == bent.lane.name
