@@ -23,6 +23,9 @@ from cosim.sumo.view import Frame
 
 COMES_ALONG = 0.3
 """Pedestrians who walk along the road faster than this, and than across it, are not about to cross [m/s]."""
+APART = 3.0
+"""If front and rear bumper are farther apart along the path than this many lengths of the vehicle, the path
+leads past both sides of it."""
 
 
 class NearEgos:
@@ -120,10 +123,15 @@ class NearEgos:
     def _all_vehicles(self) -> tuple[Vehicles, FloatArray, FloatArray]:
         rows, cars = self._car_rows, self._surroundings.cars
         along, across, path_heading = self._at_front
-        back_along, back_across = self._at_back
-        velocity = cars.velocity[rows]
+        velocity, length = cars.velocity[rows], cars.length[rows]
         cosine, sine = np.cos(path_heading), np.sin(path_heading)
         error = math.pi - np.mod(math.pi - (cars.heading[rows] - path_heading), 2.0 * math.pi)
+        back_along, back_across = self._at_back
+        parted = np.abs(back_along - along) > APART * length
+        if parted.any():
+            # The whole vehicle is where its front is, and does not reach over the path in between.
+            back_along = np.where(parted, along - length * np.cos(error), back_along)
+            back_across = np.where(parted, across - length * np.sin(error), back_across)
         vehicles = Vehicles(
             tuple(map(cars.names.__getitem__, self._cars_of_all)),
             along,
@@ -132,7 +140,7 @@ class NearEgos:
             velocity[:, 1] * cosine - velocity[:, 0] * sine,
             cars.acceleration[rows],
             error,
-            cars.length[rows],
+            length,
             cars.width[rows],
             cars.front[rows],
             cars.heading[rows],
