@@ -42,7 +42,6 @@ from controllers.velocity_obstacle.mpc.arithmetic import last_plan
 from controllers.velocity_obstacle.mpc.cone_planning import SLOTS, ConePlanner
 from controllers.velocity_obstacle.mpc.cone_program import ConeProgram
 from controllers.velocity_obstacle.mpc.cone_rows import ConeSettings, Outline
-from controllers.velocity_obstacle.mpc.holding import holds
 from controllers.velocity_obstacle.mpc.lane_by_cost import ChangeSettings, LaneByCost
 from controllers.velocity_obstacle.mpc.lane_manoeuvre import LaneManoeuvre
 from controllers.velocity_obstacle.mpc.lateral import (
@@ -66,6 +65,11 @@ from controllers.velocity_obstacle.mpc.unsolved_programs import FRESH, fallback
 
 SLACK, SLACK_FROM = "slack", 0.05
 """Status of a plan that goes farther than pedestrians allow, and the excess from which it is given [m]."""
+NOWHERE = 0.3
+"""A standing ego stays where it is if its plan leads less far than this [m]."""
+NOT_YET, SOON = 0.05, 1.2
+"""It also does so while it lets people pass, if its plan leads less far than the first within the second; a
+plan that starts with the brake on leads four times as far [m, s]."""
 BODY_OUT_OF_LANE = 0.75
 """Share of a lane's width after which the front is clear of vehicles in the middle of the old lane."""
 
@@ -285,8 +289,8 @@ class VelocityObstacleMpc:
             steering.command,
             ego.plan_interval + FRESH,
         )
-        if ego.speed < STANDING and holds(perception, chosen, self._times):
-            # Rounding would let it creep.
+        if ego.speed < STANDING and self._stays(chosen):
+            # Rounding would let it creep, and pedestrians wait for a vehicle that moves at all.
             return replace(command, acceleration=np.full(len(command.times), HOLDING_GENTLY))
         slower = wheels.held_back(ego, self._times, steering.command, command.acceleration)
         command = replace(command, acceleration=slower)
@@ -299,6 +303,12 @@ class VelocityObstacleMpc:
             hardest = -planner.program.limits.emergency_braking
             return replace(command, acceleration=np.full(len(command.times), hardest))
         return command
+
+    def _stays(self, chosen: Chosen) -> bool:
+        """Return whether a standing ego is to hold its brake for now."""
+        position = chosen.plan.position
+        waits = chosen.behind > 0 and float(np.interp(SOON, self._times, position)) < NOT_YET
+        return waits or float(position.max()) < NOWHERE
 
     def _planner(self, perception: Perception) -> SpeedPlanner:
         """Return the speed planner, built once the vehicle is known."""
