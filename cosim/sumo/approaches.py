@@ -1,4 +1,4 @@
-"""Vehicles on their way to a junction: who is held up by whom, and who came first to an all-way stop."""
+"""Vehicles on their way to a junction: who is held up by whom, and who came to it first where that counts."""
 
 from __future__ import annotations
 
@@ -10,20 +10,23 @@ from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
 
 AT_THE_LINE = 6.0
-"""A slow vehicle within this distance of its line has come to an all-way stop [m]."""
+"""A slow vehicle within this distance of its line has come to the junction [m]."""
 SLOW = 2.0
 """Below this speed, a vehicle counts as slow [m/s]."""
 
 
 class Approaches:
-    """What is known of the vehicles before junctions; remembers when each came to an all-way stop."""
+    """What is known of the vehicles before junctions.
+
+    It remembers when each came to an all-way stop, or slowed down before a junction without any rule.
+    """
 
     def __init__(self, network: Network) -> None:
         self._network = network
         self._in_order = frozenset(
             lane
             for lane, onward in network.connections.items()
-            if any(connection.in_order for connection in onward)
+            if any(connection.in_order or connection.unregulated for connection in onward)
         )
         self._cars: Cars | None = None
         self._paces: dict[int, float] = {}
@@ -31,7 +34,7 @@ class Approaches:
         """By vehicle: the lane at whose end it stopped, and when [s]; −inf once it is in the junction."""
 
     def begin(self, cars: Cars, time: float) -> None:
-        """Begin an instant [s]: note which vehicles have come to an all-way stop."""
+        """Begin an instant [s]: note which vehicles have come to their junction."""
         self._cars, self._paces = cars, {}
         if not self._in_order:
             return
@@ -59,6 +62,10 @@ class Approaches:
     def goes_first(self, one: str, other: str) -> bool:
         """Return whether ``one`` came to an all-way stop before ``other``, or is already in the junction."""
         return one in self._came and self._order(one) < self._order(other)
+
+    def waited_longer(self, one: str, other: str) -> bool:
+        """Return whether both wait at a junction, and ``one`` came first or is already in it."""
+        return other in self._came and self.goes_first(one, other)
 
     def _order(self, name: str) -> tuple[float, str]:
         known = self._came.get(name)

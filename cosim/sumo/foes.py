@@ -122,7 +122,7 @@ class FoeFinder:
                     if before_line and _stopped(conflict.foe, lights):
                         continue
                     foe = cars.names[row]
-                    first = before_line and own.in_order and self._approaches.goes_first(name, foe)
+                    first = before_line and self._goes_first(own, name, foe)
                     found.append(
                         JunctionFoe(
                             foe,
@@ -138,6 +138,15 @@ class FoeFinder:
                         )
                     )
         return found
+
+    def _goes_first(self, own: Connection, name: str, foe: str) -> bool:
+        """Return whether an ego need not yield to a foe before its line, as it came to the junction first.
+
+        Without any rule, those who wait go one after the other; who does not slow down will not yield either.
+        """
+        if own.in_order:
+            return self._approaches.goes_first(name, foe)
+        return own.unregulated and self._approaches.waited_longer(name, foe)
 
     def _ways_of(self, name: str, lane: str, route: str) -> tuple[tuple[str, float], ...]:
         """Return the ways through junctions that a vehicle on a lane takes next.

@@ -79,6 +79,8 @@ class Connection:
     signal_index: int
     in_order: bool
     """Whether vehicles pass in the order in which they stopped, as at an all-way stop."""
+    unregulated: bool
+    """Whether it leads through a junction without any rule, in which SUMO's vehicles yield to nobody."""
     stop_sign: bool
     """Whether there is a stop sign; all-way stops have one at every approach."""
     permissions: Permissions

@@ -87,6 +87,11 @@ def _direction(letter: str) -> str:
     return TURNAROUND if letter == "T" else letter
 
 
+def _junction_of(link: ElementTree.Element) -> str:
+    """Return the junction that a connection leads through, after which its internal lanes are named."""
+    return link.get("via", "")[1:].rsplit("_", 2)[0]
+
+
 def _classes(text: str | None) -> frozenset[str] | None:
     return None if text is None else frozenset(text.split())
 
@@ -251,6 +256,7 @@ class _Reader:
                     link.get("tl", ""),
                     int(link.get("linkIndex", "-1")),
                     link.get("state") == ALLWAY_STOP,
+                    _junction_of(link) in self.unregulated,
                     link.get("state") in (STOP, ALLWAY_STOP) and "tl" not in link.attrib,
                     _permissions(link),
                 )

@@ -29,11 +29,27 @@ def all_way(all_way_file: Path) -> Network:
 
 
 @pytest.fixture(scope="module")
+def no_rule(no_rule_file: Path) -> Network:
+    """Crossroads where nobody has to yield."""
+    return read_network(no_rule_file)
+
+
+@pytest.fixture(scope="module")
 def all_way_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The file of these."""
-    file = tmp_path_factory.mktemp("all_way") / "net.xml"
+    """The file of the crossroads with all-way stops."""
+    return _crossroads(tmp_path_factory.mktemp("all_way"), "allway_stop")
+
+
+@pytest.fixture(scope="module")
+def no_rule_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of those without any rule."""
+    return _crossroads(tmp_path_factory.mktemp("no_rule"), "unregulated")
+
+
+def _crossroads(folder: Path, kind: str) -> Path:
+    file = folder / "net.xml"
     netgenerate = Path(sumo.SUMO_HOME) / "bin" / "netgenerate"
-    options = ["--grid.number=3", "--grid.length=100", "--default-junction-type=allway_stop"]
+    options = ["--grid.number=3", "--grid.length=100", f"--default-junction-type={kind}"]
     subprocess.run(
         [netgenerate, "--grid", *options, "--no-turnarounds", "-o", file], check=True, capture_output=True
     )
@@ -104,6 +120,17 @@ def test_nobody_who_is_still_on_the_way_or_not_at_such_a_junction_goes_first(
     assert not elsewhere.goes_first("ego", "other")
 
 
+def test_without_any_rule_those_who_wait_go_in_their_order_and_others_are_let_pass(no_rule: Network) -> None:
+    approaches = Approaches(no_rule)
+    south, west = "B0B1_0", "A1B1_0"
+    approaches.begin(_cars(no_rule, [("ego", south, 3.0, 0.5), ("other", west, 3.0, 9.0)]), 10.0)
+    assert not approaches.waited_longer("ego", "other")
+    assert not approaches.waited_longer("other", "ego")
+    approaches.begin(_cars(no_rule, [("ego", south, 2.0, 0.0), ("other", west, 2.0, 0.5)]), 14.0)
+    assert approaches.waited_longer("ego", "other")
+    assert not approaches.waited_longer("other", "ego")
+
+
 def test_a_vehicle_is_no_faster_than_those_before_it_in_its_lane(all_way: Network) -> None:
     approaches = Approaches(all_way)
     lane = "A1B1_0"
@@ -116,19 +143,22 @@ def test_a_vehicle_is_no_faster_than_those_before_it_in_its_lane(all_way: Networ
 
 @pytest.mark.sumo
 @pytest.mark.parametrize("ego_first", [True, False])
-def test_an_ego_yields_at_an_all_way_stop_to_those_only_who_came_before_it(
-    all_way: Network, all_way_file: Path, ego_first: bool
+@pytest.mark.parametrize("kind", ["all_way_file", "no_rule_file"])
+def test_an_ego_yields_to_those_only_who_came_before_it(
+    kind: str, ego_first: bool, request: pytest.FixtureRequest
 ) -> None:
-    own = next(one for one in all_way.connections["B0B1_0"] if one.target.startswith("B1B2"))
+    file = request.getfixturevalue(kind)
+    network = read_network(file)
+    own = next(one for one in network.connections["B0B1_0"] if one.target.startswith("B1B2"))
     ego, other = ("ego", "B0B1_0", 2.0, 0.0), ("other", "A1B1_0", 2.0, 0.0)
-    libsumo.start(["sumo", "-n", str(all_way_file), "--no-step-log"])
+    libsumo.start(["sumo", "-n", str(file), "--no-step-log"])
     try:
         libsumo.route.add("across", ["A1B1", "B1C1"])
         libsumo.vehicle.add("other", "across")
         libsumo.simulationStep()
-        finder = FoeFinder(libsumo, all_way)
-        finder.begin(_cars(all_way, [ego if ego_first else other]), 0.0)
-        cars = _cars(all_way, [ego, other])
+        finder = FoeFinder(libsumo, network)
+        finder.begin(_cars(network, [ego if ego_first else other]), 0.0)
+        cars = _cars(network, [ego, other])
         finder.begin(cars, 5.0)
         (foe,) = finder.find("ego", 0.0, [PathJunction(own, 5.0, 20.0)], [1], cars, Lights(libsumo))
     finally:
