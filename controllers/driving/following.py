@@ -75,9 +75,10 @@ class Following:
         slowly = [(one.name, max(one.gap, 0.0), style.passing_speed) for one in passed]
         let_go_first = self._right_of_way.passed(perception)
         slowly += [(foe.name, foe.along - ego.body.front, foe.speed) for foe in let_go_first]
-        places = np.append(places, [place for _, place, _ in slowly])
-        speeds = np.append(speeds, [speed for _, _, speed in slowly])
-        names = (*names, *(name for name, _, _ in slowly))
+        if slowly:
+            more_names, more_places, more_speeds = zip(*slowly, strict=True)
+            names = (*names, *more_names)
+            places, speeds = np.append(places, more_places), np.append(speeds, more_speeds)
         free = limit_now(perception.road, ego.body.front) if free_speed is None else free_speed
         result = np.zeros(len(times))
         speed, actual, gone = max(ego.speed, 0.0), ego.acceleration, 0.0

@@ -14,7 +14,7 @@ from cosim.inspection.ways import CAR
 from cosim.sensing.lines_of_sight import distance_to_pieces
 from cosim.sumo.bends import CAR as CAR_TURNING
 from cosim.sumo.bends import widened
-from cosim.sumo.network import TURNAROUND, Connection, NetCrossing, Network
+from cosim.sumo.network import TURNAROUND, Connection, NetCrossing, Network, junction_of
 from cosim.sumo.path import Path
 
 HALF_CAR = 0.9
@@ -104,7 +104,7 @@ def swept_walking_areas(network: Network) -> list[Finding]:
     number = 0
     for connection, path, _ in _turning(network):
         number += 1
-        near = areas.get(connection.via[0][1:].rsplit("_", 2)[0], [])
+        near = areas.get(junction_of(connection.via[0]), [])
         body = swept(path)
         if any(inside(outline, body).any() for outline in near):
             bad.append(connection.via[0])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from cosim.sumo.network import Connection, NetCrossing, Network
+from cosim.sumo.network import Connection, NetCrossing, Network, junction_of
 from cosim.sumo.quickest import quickest
 
 CAR = "passenger"
@@ -93,7 +93,7 @@ def _movements(network: Network) -> list[Movement]:
 def _junction(network: Network, edge: str, connection: Connection) -> str:
     """Return the junction through which a connection leads; the network may lack internal lanes."""
     if connection.via:
-        return connection.via[0][1:].rsplit("_", 2)[0]
+        return junction_of(connection.via[0])
     target = network.lanes[connection.target].edge
     return min(
         network.junctions.get(edge, frozenset()) & network.junctions.get(target, frozenset()), default=""

@@ -16,6 +16,15 @@ CAR = "passenger"
 """Vehicle class whose lanes are roads: limits of railways are far above the speed of trams on them."""
 
 
+def junction_of(internal_lane: str) -> str:
+    """Return the junction after which an internal lane is named; empty for the empty name of none.
+
+    >>> junction_of(":main_street_3_0")
+    'main_street'
+    """
+    return internal_lane[1:].rsplit("_", 2)[0]
+
+
 @dataclass(frozen=True, slots=True)
 class Permissions:
     """Which vehicle classes may use a lane or a connection."""

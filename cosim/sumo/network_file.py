@@ -25,6 +25,7 @@ from cosim.sumo.network import (
     Permissions,
     Requests,
     WalkingArea,
+    junction_of,
 )
 
 DEFAULT_LANE_WIDTH = 3.2
@@ -85,11 +86,6 @@ def _elements(source: BinaryIO) -> Iterator[ElementTree.Element]:
 def _direction(letter: str) -> str:
     """Return a connection's direction; SUMO writes turnarounds of left-hand traffic as ``T``."""
     return TURNAROUND if letter == "T" else letter
-
-
-def _junction_of(link: ElementTree.Element) -> str:
-    """Return the junction that a connection leads through, after which its internal lanes are named."""
-    return link.get("via", "")[1:].rsplit("_", 2)[0]
 
 
 def _classes(text: str | None) -> frozenset[str] | None:
@@ -256,7 +252,7 @@ class _Reader:
                     link.get("tl", ""),
                     int(link.get("linkIndex", "-1")),
                     link.get("state") == ALLWAY_STOP,
-                    _junction_of(link) in self.unregulated,
+                    junction_of(link.get("via", "")) in self.unregulated,
                     link.get("state") in (STOP, ALLWAY_STOP) and "tl" not in link.attrib,
                     _permissions(link),
                 )

@@ -25,8 +25,6 @@ TURNS = ("left", "straight", "right")
 LEFT = ("south_approach", "west_exit")
 """The last 90 m before the junction, and the first ones behind it."""
 Signals = dict[str, tuple[float, SignalState]]
-
-
 AEB_TOO = pytest.param("aeb", marks=pytest.mark.slow)
 
 
