@@ -1,6 +1,6 @@
 """The last check of a plan: whether the plan touches anybody when rolled out with the true body.
 
-Every plan that is to be carried out, including fallbacks, is rolled out for three seconds with all four
+Every plan that ``vo_mpc`` is to carry out, including fallbacks, is rolled out for three seconds with all four
 corners of the body on the true curve of the road. Pedestrians are discs at their true places. Those who may
 enter the ego's way keep walking, or walk as the predictor says; the others come to a stop. Standing vehicles
 count as well, and some moving ones. A plan that would touch somebody is replaced by the least braking that

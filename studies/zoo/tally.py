@@ -48,7 +48,7 @@ class Tally:
 
     @property
     def delay_s(self) -> float | None:
-        """Return the mean delay of an ego relative to free flow [s]."""
+        """Return the mean delay of an ego relative to free flow, ``ego_time_loss_s`` per ego [s]."""
         egos = self.total("ego_count")
         return sum(run.number("ego_time_loss_s") for run in self.valid) / egos if egos else None
 
