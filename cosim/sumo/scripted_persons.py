@@ -94,10 +94,8 @@ class ScriptedPersons:
         seen = {name: self._seen(state, time, one, lights) for name, (one, state) in self._there.items()}
         self._yielding.hold({name: one for name, one in seen.items() if one is not None}, near, driven)
         until = time + self._step
-        own = {ego.name for ego in egos}
         for name, (one, state) in list(self._there.items()):
-            others = [vehicle for vehicle in near[name] if vehicle.name not in own]
-            after = one.behaviour.next(state, replace(scene, others=others), until)
+            after = one.behaviour.next(state, _with_others(scene, near[name]), until)
             if after is None:
                 del self._there[name]
                 self._traffic.leave(name)
@@ -220,15 +218,23 @@ class ScriptedPersons:
         waiting = []
         later = replace(scene, time=until)
         for one in self._to_come:
-            state = one.behaviour.first(later)
-            # A pedestrian may set off within the step in which they appear.
-            state = state if state is None else one.behaviour.next(state, scene, until)
-            if state is None:
+            appears = one.behaviour.first(later)
+            if appears is None:
                 waiting.append(one)
                 continue
-            self._there[one.name] = (one, state)
-            self._traffic.watch(one.name, state.x, state.y)
+            # A pedestrian may set off within the step in which they appear, once they have looked around.
+            near = self._traffic.around(appears.x, appears.y)
+            state = one.behaviour.next(appears, _with_others(scene, near), until)
+            if state is not None:
+                self._there[one.name] = (one, state)
+                self._traffic.watch(one.name, state.x, state.y)
         self._to_come = waiting
+
+
+def _with_others(scene: Scene, near: Sequence[RoadUser]) -> Scene:
+    """Return a scene in which a pedestrian sees the egos and the other vehicles near them."""
+    own = {ego.name for ego in scene.egos}
+    return replace(scene, others=[vehicle for vehicle in near if vehicle.name not in own])
 
 
 def road_user(name: str, plant: Plant, track: Track) -> RoadUser:

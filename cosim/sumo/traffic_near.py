@@ -6,6 +6,7 @@ is a point of interest, which also shows them in SUMO's window.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -112,6 +113,15 @@ class TrafficNear:
                     near.append(user)
             found[pedestrian] = near
         return found
+
+    def around(self, x: float, y: float) -> list[RoadUser]:
+        """Return the road vehicles near a place that is not watched yet: SUMO reports only after a step."""
+        of, found = self._sumo.vehicle, []
+        for name in of.getIDList():
+            at = of.getPosition(name)
+            if math.dist(at, (x, y)) <= NEAR:
+                found.append(self._user(name, *at, of.getAngle(name), of.getSpeed(name), of.getLaneID(name)))
+        return [user for user in found if user is not None]
 
     def _user(self, name: str, x: float, y: float, angle: float, speed: float, lane: str) -> RoadUser | None:
         body = self.body(name)

@@ -136,6 +136,17 @@ def test_nobody_brakes_for_people_on_the_sidewalk_or_who_have_passed(scenes: Any
     assert seen.speeds == pytest.approx(alone.speeds)
 
 
+def test_those_who_appear_look_at_sumos_vehicles_before_they_set_off(scenes: Any) -> None:
+    # Somebody appears about every second, and the car passes their line after 5 s.
+    row = crosser(0.0, start={"per_hour": 3600.0, "accepted_gap_s": 9.0})
+    seen = scenes([row], CAR.format(lane=1, speed=10)).run(4.0)
+    assert len(seen.pedestrians) > 20
+    assert len(set(seen.pedestrians)) == 1
+    # With nobody on the road, they set off as they appear.
+    alone = scenes([row], "").run(4.0)
+    assert len(set(alone.pedestrians)) > 20
+
+
 def test_a_vehicle_that_a_controller_drives_is_left_alone(scenes: Any) -> None:
     row = crosser(1.0, stop_after_m=3.0, stay_s=40.0)
     seen = scenes([row], CAR.format(lane=1, speed=10)).run(12.0, driven=("car",))
