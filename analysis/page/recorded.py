@@ -11,15 +11,13 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from analysis.encounters.case import Case, prepare, prepare_traffic
+from analysis.encounters.case import Case
+from analysis.encounters.recorded_case import read_case
 from analysis.errors import DamageError, RecordingError
-from analysis.files import read_csv, read_json
+from analysis.files import read_csv
 from analysis.manifest import read_manifest, read_verified
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TRAFFIC, RecordedTable
-from analysis.recording.reading import read_run
-from analysis.recording.traffic import Traffic
 from analysis.results.traffic_rows import TRAFFIC_ENCOUNTERS
-from analysis.thresholds import Thresholds, names
 
 RECORDING_FILES = ("egos.parquet", "neighbours.parquet", "plans.parquet", "timing.parquet", "map.json")
 
@@ -53,7 +51,7 @@ def read_recording(folder: Path) -> Recording:
     RecordingError
         If the recording cannot be read.
     """
-    case = prepare(read_run(folder), _thresholds(folder))
+    case = read_case(folder)
     egos, neighbours, plans = (_rows(folder, table) for table in (EGOS, NEIGHBOURS, PLANS))
     return Recording(case, egos, neighbours, plans, {index + 1: index for index in range(len(case))})
 
@@ -66,7 +64,7 @@ def read_traffic_recording(folder: Path) -> Recording:
     RecordingError
         If the recording cannot be read.
     """
-    case = prepare_traffic(Traffic(read_run(folder)).whole(), _thresholds(folder))
+    case = read_case(folder, traffic=True)
     rows = _rows(folder, TRAFFIC)
     vehicles = rows[rows["object_kind"] == "vehicle"]
     driven = vehicles.rename(columns={"object_id": "ego_id", "x_m": "front_x_m", "y_m": "front_y_m"}).assign(
@@ -105,17 +103,3 @@ def _rows(folder: Path, table: RecordedTable) -> pd.DataFrame:
         return pd.DataFrame(read.to_pandas())
     except (OSError, pa.ArrowException) as error:
         raise RecordingError(f"{path}: cannot be read ({str(error).splitlines()[0]})") from None
-
-
-def _thresholds(folder: Path) -> Thresholds:
-    path = folder / "config.json"
-    try:
-        stored = read_json(path).get("thresholds") or {}
-    except FileNotFoundError:
-        stored = {}
-    except DamageError:
-        raise
-    except (OSError, ValueError) as error:
-        raise RecordingError(f"{path}: cannot be read ({error})") from None
-    known = set(names())
-    return Thresholds(**{name: float(value) for name, value in stored.items() if name in known})

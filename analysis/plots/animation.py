@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
@@ -62,10 +63,14 @@ def write_film(scene: Scene, path: Path) -> int:
     fps = max(1, round(per_second))
     writer: AbstractMovieWriter
     writer = PillowWriter(fps=fps) if path.suffix.lower() == ".gif" else FFMpegWriter(fps=fps)
-    with writer.saving(film.figure, str(path), DOTS_PER_INCH):
-        for index in frames:
-            film.show(index)
-            writer.grab_frame()
+    # The writer chooses the format by the suffix, so only the folder is a temporary one.
+    with TemporaryDirectory(dir=path.parent) as unfinished:
+        part = Path(unfinished) / path.name
+        with writer.saving(film.figure, str(part), DOTS_PER_INCH):
+            for index in frames:
+                film.show(index)
+                writer.grab_frame()
+        part.replace(path)
     return len(frames)
 
 

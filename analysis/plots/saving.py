@@ -9,6 +9,8 @@ from pathlib import Path
 import matplotlib
 from matplotlib.figure import Figure
 
+from analysis.files import completing
+
 DOTS_PER_INCH = 150
 
 
@@ -17,7 +19,8 @@ def save(figure: Figure, path: Path) -> Path:
     # Otherwise SVG has random ids and letters as outlines, and both formats contain date and version.
     with matplotlib.rc_context({"svg.hashsalt": "cosim", "svg.fonttype": "none"}):
         metadata = {"Date": None} if path.suffix.lower() == ".svg" else {"Software": None}
-        figure.savefig(path, dpi=DOTS_PER_INCH, metadata=metadata)
+        with completing(path) as part:
+            figure.savefig(part, dpi=DOTS_PER_INCH, format=path.suffix[1:].lower(), metadata=metadata)
     return path
 
 

@@ -112,13 +112,12 @@ class Run:
         if kind not in FIGURES:
             raise InputError(f"plot: expected one of {', '.join(FIGURES)}, got {kind!r}")
         require_matplotlib("Run.plot")
-        from analysis.encounters.case import prepare
+        from analysis.encounters.recorded_case import read_case
         from analysis.plots.figures import FIGURES as DRAW
         from analysis.plots.scene import choose
-        from analysis.recording.reading import read_run
 
         with as_input_errors():
-            figure = DRAW[kind](choose(prepare(read_run(self.folder)), ego, encounter))
+            figure = DRAW[kind](choose(read_case(self.folder), ego, encounter))
         # So that a notebook shows the figure even if it was not told to show matplotlib's figures.
         setattr(figure, "_repr_png_", partial(_as_png, figure))  # noqa: B010  no such attribute is declared
         return figure

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.encounters.case import prepare, prepare_traffic
+from analysis.encounters.recorded_case import read_case
 from analysis.errors import AnalysisError
 from analysis.plots.scene import Piece, Scene, choose
-from analysis.recording.reading import read_run
-from analysis.recording.traffic import Traffic
 from controllers.interface import Body
 from cosim.arrays import FloatArray
 from cosim.errors import InputError
@@ -60,19 +58,21 @@ def read_movers(folder: Path, encounter: int, traffic: bool = False) -> list[Mov
         If the run cannot be read or has no such encounter.
     """
     try:
-        recorded = read_run(folder)
-        case = prepare_traffic(Traffic(recorded).whole()) if traffic else prepare(recorded)
-        scene = choose(case, None, encounter)
+        scene = choose(read_case(folder, traffic=traffic), None, encounter)
     except AnalysisError as error:
         raise InputError(str(error)) from error
     factor, begin = scene.case.grid.factor, scene.begin_s
     (ego,) = scene.pieces()[:1]
     egos = [_vehicle(scene.ego, "ego", ego, factor, begin)]
-    names = {scene.ego} if traffic else {one.name for one in scene.case.egos}
+    # Other egos are vehicles here; a vehicle that a controller takes over meanwhile is shown from then on.
+    near = {
+        name: piece
+        for what in (("egos",) if traffic else ("vehicles", "egos"))
+        for name, piece in _others(scene, ego, what)
+        if name != scene.ego
+    }
     vehicles = [
-        _vehicle(f"vehicle {name}", "vehicle", piece, factor, begin)
-        for name, piece in _others(scene, ego, "egos" if traffic else "vehicles")
-        if name not in names
+        _vehicle(f"vehicle {name}", "vehicle", piece, factor, begin) for name, piece in sorted(near.items())
     ]
     people = [
         _pedestrian(f"pedestrian {name}", piece, factor, begin)

@@ -35,14 +35,13 @@ def write_figures(
         raise InputError(f"--format: expected {' or '.join(FORMATS)}, got {kind!r}")
     folders.check(out)
     # The modules that draw are loaded only now that matplotlib is known to be installed.
-    from analysis.encounters.case import prepare
+    from analysis.encounters.recorded_case import read_case
     from analysis.plots.figures import draw_figures
     from analysis.plots.scene import choose
-    from analysis.recording.reading import read_run
 
     target = folder / "plots" if out is None else out
     with _as_input_errors(f"cannot write to {target}"):
-        return draw_figures(choose(prepare(read_run(folder)), ego, encounter), target, kind)
+        return draw_figures(choose(read_case(folder), ego, encounter), target, kind)
 
 
 def write_replay(folder: Path, encounter: int, out: Path) -> int:
@@ -60,16 +59,15 @@ def write_replay(folder: Path, encounter: int, out: Path) -> int:
         If the input is bad, the file cannot be written, or matplotlib or what the format needs is missing.
     """
     require_matplotlib("cosim replay")
-    from analysis.encounters.case import prepare
+    from analysis.encounters.recorded_case import read_case
     from analysis.plots import animation
     from analysis.plots.scene import choose
-    from analysis.recording.reading import read_run
 
     check_picture(out, animation.FORMATS)
     if out.suffix.lower() == ".mp4" and not animation.has_ffmpeg():
         raise InputError(f"{out}: .mp4 needs ffmpeg, which is not installed; use .gif instead")
     with _as_input_errors(f"cannot write {out}"):
-        return animation.write_film(choose(prepare(read_run(folder)), None, encounter), out)
+        return animation.write_film(choose(read_case(folder), None, encounter), out)
 
 
 @contextmanager

@@ -42,7 +42,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> cosim.Run:
         out=folder,
         duration_s=30.0,
         warmup_s=20.0,
-        ego_headway_s=5.0,
+        ego_headway_s=3.0,
         ego_count=2,
     )
 
@@ -142,6 +142,25 @@ def test_the_road_is_read_back_by_sumo_in_the_same_place(exported: Path, tmp_pat
 
 
 @pytest.mark.long
+def test_another_ego_near_by_is_exported_as_a_vehicle(run: cosim.Run, tmp_path: Path) -> None:
+    egos = pd.read_parquet(run.folder / "egos.parquet")
+
+    def apart(encounter: pd.Series) -> float:
+        there = egos[egos["time_s"].between(encounter["t_start_s"], encounter["t_end_s"])]
+        own, other = (one.set_index("time_s") for _, one in there.groupby("ego_id", observed=True))
+        return float(np.hypot(*(other[name] - own[name] for name in ("front_x_m", "front_y_m"))).min())
+
+    distance = run.encounters.apply(apart, axis=1)
+    assert distance.min() < 70.0
+    nearest = run.encounters.loc[distance.idxmin()]
+    number = str(nearest["encounter_id"])
+    assert main(["export", str(run.folder), "--encounter", number, "--out", str(tmp_path / "out")]) == 0
+    file = tmp_path / "out" / f"encounter-{number}.xosc"
+    named = {str(entity.get("name")) for entity in ElementTree.parse(file).iter("ScenarioObject")}
+    (other,) = set(egos["ego_id"]) - {nearest["ego_id"]}
+    assert {nearest["ego_id"], f"vehicle {other}"} <= named
+
+
 def test_the_same_encounter_gives_the_same_bytes(run: cosim.Run, number: int, exported: Path) -> None:
     out = run.folder.parent / "again"
     assert main(["export", str(run.folder), "--encounter", str(number), "--out", str(out)]) == 0
