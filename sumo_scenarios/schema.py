@@ -73,7 +73,8 @@ class DemandTable(Table):
     """Demand files, in which ``$name`` stands for a value (Python's ``string.Template``)."""
 
     routes: list[str]
-    """Route files; ``$name`` in them stands for a rate, a time or a parameter."""
+    """Route files; ``$name`` in them, or in a file's name, stands for a rate, a time or a parameter;
+    ``$warmup_s`` and ``$end_s`` are known too [s]."""
     additional: list[str] = []
     """Additional files, with vehicle types for instance."""
     vehicles_per_hour: NotNegative | None = None
@@ -116,7 +117,7 @@ class EgosTable(Table):
     share: Share | None = None
     """Share of the passenger cars of the demand that become egos."""
     count: Annotated[int, Field(ge=0)] = 0
-    """How many egos set out on the routes, in turn."""
+    """How many egos set out on the routes, in turn; 0: one, if there are routes."""
     first_depart_s: NotNegative = 0.0
     """When the first one does, after the warm-up [s]."""
     headway_s: Positive = 30.0
@@ -143,7 +144,7 @@ class ScenarioTable(Table):
     actuation: Actuation = "hybrid"
     """How the motion of the egos is passed to SUMO: ``hybrid`` or ``move``."""
     lateral_resolution_m: Positive | None = None
-    """SUMO's lateral resolution [m]."""
+    """SUMO's lateral resolution [m]; none given: 0.4 with ``hybrid``, none with ``move``."""
     network: NetworkTable | None = None
     """A network of plain sources, which netconvert builds; it needs ``[demand]``."""
     demand: DemandTable | None = None

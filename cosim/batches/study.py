@@ -33,7 +33,7 @@ class StudyTable(BaseModel):
     scenarios: list[str]
     """Names, or paths relative to the study file."""
     controllers: list[str]
-    """Names of controllers; ``cosim list controllers`` shows them."""
+    """Names of controllers, as ``cosim list controllers`` shows them; or addresses of others."""
     sensing: list[str] = []
     """Sensing models; none given: as each scenario says."""
     seeds: str | list[int]
@@ -41,7 +41,7 @@ class StudyTable(BaseModel):
     record: str = EGOS
     """Whom the runs record, as ``cosim run --record`` does."""
     settings: dict[str, Value] = Field(default={}, alias="set")
-    """Scenario and controller parameters of every run that has them."""
+    """Parameters of the scenario, the sensing model or the controller, of every run that has them."""
     vary: dict[str, list[Value]] = {}
     """The same with several values each; every combination is run."""
     run_timeout_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] = DEFAULT_TIMEOUT_S

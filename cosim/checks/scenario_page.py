@@ -51,8 +51,8 @@ TABLES = {
     "RouteTable": "`[[egos.routes]]`",
 }
 TAIL = """Criteria and their keys are explained in [pass or fail in CI](ci.md#criteria), scripted pedestrians
-in [scripted pedestrians](pedestrians.md), sensing models in [sensing](sensing.md), parameters of controllers
-in [parameters](parameters.md)."""
+in [scripted pedestrians](pedestrians.md), sensing models in [sensing](sensing.md), searches in
+[failures](falsify.md), parameters of controllers in [parameters](parameters.md)."""
 
 
 def render() -> str:

@@ -191,7 +191,7 @@ def _study(folder: Path) -> None:
     for name in ("town.net.xml", "town.sumocfg", "town.rou.xml"):
         shutil.copy(folder / name, folder / "town")
     (text,) = fences("docs/batches.md", "toml")
-    content = tomllib.loads(text.partition("[[criteria]]")[0])
+    content = tomllib.loads(text)
     _write_study(content | {"vary": {"steps": [20]}, "sensing": ["perfect"]}, folder / "study.toml")
 
 
