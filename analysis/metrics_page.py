@@ -43,7 +43,7 @@ def _lines() -> Iterator[str]:
     yield ""
     yield from (finding.__doc__ or "").strip().splitlines()
     yield ""
-    yield "An undefined value is an empty cell, with a status column where there is more than one reason."
+    yield "An undefined value is an empty cell; for some metrics, a status column says why."
     yield ""
     for scope, title in (("encounter", "Metrics of encounters"), ("run", "Metrics of runs")):
         yield f"## {title}"
@@ -88,9 +88,10 @@ def _measures() -> Iterator[str]:
     yield "## Measures over many runs"
     yield ""
     yield (
-        "`cosim batch` and `cosim compare` sum these up over runs, beside every number of `runs.csv`; how is "
-        "said in [statistics.md](statistics.md). A claim may rest on the key ones. An encounter counts here "
-        "when the pedestrian was on the crossing or in the ego's path, or was touched."
+        "`cosim batch` and `cosim compare` sum these up over runs, beside every number that a metric writes "
+        "into `runs.csv`, except computing times; [statistics](statistics.md) explains how. A claim may "
+        "rest on the key ones. Only entered encounters count here: the pedestrian was on a crossing that "
+        "the ego drives over, or in the ego's path, or was hit by the moving ego."
     )
     yield ""
     yield markdown.table(

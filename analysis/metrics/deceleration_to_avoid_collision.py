@@ -39,7 +39,11 @@ COLUMNS = (
     ),
 )
 RUN_COLUMNS = (
-    column.count("n_drac_gt_3p4", "encounters with DRAC above 3.4 m/s^2 or unbounded", required=True),
+    column.count(
+        "n_drac_gt_3p4",
+        "encounters with DRAC above 3.4 m/s^2 or unbounded, or with a collision",
+        required=True,
+    ),
 )
 
 

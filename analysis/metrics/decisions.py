@@ -1,6 +1,7 @@
 """How often each decision rule was taken.
 
-Number of plans made under STRAIGHT, LANE CHANGE and AUTONOMOUS.
+Number of plans made under STRAIGHT, LANE CHANGE and AUTONOMOUS. For an encounter: until the ego has left the
+conflict area.
 
 Undefined: never; all 0 for controllers without these rules.
 """

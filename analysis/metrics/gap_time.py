@@ -4,7 +4,7 @@ GT = way of the second user to the area / its speed, both at the instant when th
 that is PET if the second one neither brakes nor speeds up.
 
 Undefined: empty without a conflict area, where both were inside at once, and where the second user
-stands at that instant.
+stands at that instant or is not recorded yet.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Steps at which SUMO did not do what the controller commanded, and why.
 
-The recorded flag: after the step SUMO's position or speed of the ego differs from the plant's by more
-than 0.02 m or 0.1 m/s, or SUMO has it on another way than its own. For an encounter: steps until the ego
+The recorded flag: after the step, SUMO's position of the ego differs from the plant's by more than 0.02 m, or
+its speed from the one that it was told by more than 0.1 m/s, or SUMO has it on another way than its own or on
+no lane. For an encounter: steps until the ego
 has left the conflict area. The causes are counted over the run and add up to the total; recordings of
 earlier versions have none.
 

@@ -36,7 +36,11 @@ COLUMNS = (
     ),
 )
 RUN_COLUMNS = (
-    column.count("n_mdrac_gt_3p4", "encounters with MDRAC above 3.4 m/s^2 or unavoidable", required=True),
+    column.count(
+        "n_mdrac_gt_3p4",
+        "encounters with MDRAC above 3.4 m/s^2 or unavoidable, or with a collision",
+        required=True,
+    ),
 )
 
 

@@ -1,9 +1,9 @@
 """How often a method itself drives near pedestrians, rather than free driving or an emergency brake.
 
-Counted are the plans that an ego makes during its encounters: in how many the condition holds under which the
-method's source has it act (applies), the method's own plan is carried out (acts), the command differs from
-that of free driving (deviates), and emergency braking, a last check or a fallback has the last word
-(overridden). The controller says so itself, plan by plan.
+Counted are the plans that an ego makes during its encounters, until it has left the conflict area: in how
+many the condition holds under which the method's source has it act (applies), the method's own plan is
+carried out (acts), the command differs from that of free driving (deviates), and emergency braking, a last
+check or a fallback has the last word (overridden). The controller says so itself, plan by plan.
 
 Undefined: empty without such plans, and for controllers without a method for pedestrians;
 method_acts_where_applies_share also if the condition never holds.

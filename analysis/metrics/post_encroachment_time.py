@@ -4,9 +4,9 @@ PET is the time between the first user leaving the conflict area (what the ego's
 pedestrian's disc both sweep) and the second one entering it. Footprint PET, as in SSAM, is larger by up
 to disc radius over ego speed.
 
-Undefined: empty with pet_status `no_crossing` where their paths share no ground, `interleaved` where
-both were inside at once without touching, `censored` where the recording ends before the first has
-left. 0 with status `collision` after a contact.
+Undefined: empty with pet_status `no_crossing` where they shared no ground within visit_pairing_s,
+`interleaved` where both were inside at once without touching, `censored` where the recording ends before
+they shared ground or before the first has left. 0 with status `collision` after a contact.
 """
 
 from __future__ import annotations

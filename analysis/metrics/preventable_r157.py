@@ -2,13 +2,14 @@
 
 With a contact, that driver is put at the wheel and the recording is replayed
 (analysis/encounters/careful_driver.py): the driver follows the ego's own path at the recorded speed, at most
-the limit, until r157_reaction_s after the first instant at which they could see that the pedestrian was, or
-within r157_foresight_s would be, in the way or within r157_wander_m of it; then the driver brakes, with
-r157_deceleration_mps2 within r157_ramp_s, until the ego stands. The pedestrian moves as recorded. 1 where
-the replayed ego does not touch the pedestrian while it moves, until r157_after_s after the recorded contact,
-else 0. That holds for turning egos and for people who stand in the lane, too. What counts is what could be
-seen: vehicles hide people, the ego's own sensors do not matter. The first collision counts, without one the
-first contact with the standing ego.
+the limit, until r157_reaction_s after they could see a risk: that the pedestrian was, or within
+r157_foresight_s would be, in the way or within r157_wander_m of it. Of several spells of risk, the last
+before the contact counts, from at most 30 s before it; a spell ends after r157_foresight_s without risk. Then
+the driver brakes, with r157_deceleration_mps2 within r157_ramp_s, until the ego stands. The pedestrian moves
+as recorded. 1 where the replayed ego does not touch the pedestrian while it moves, until r157_after_s after
+the recorded contact, else 0. That holds for turning egos and for people who stand in the lane, too. What
+counts is what could be seen: vehicles hide people, the ego's own sensors do not matter. The first collision
+counts, without one the first contact with the standing ego.
 
 Without a contact nothing is replayed. Then it says whether the driver could have stopped: 1 where the way to
 the conflict area, at the instant the pedestrian steps on the crossing (away from crossings: at the

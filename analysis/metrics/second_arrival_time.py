@@ -1,9 +1,10 @@
 """T2: the smallest predicted time until the second user reaches the conflict area.
 
-At each sample both are extrapolated at constant velocity; T2 is the later of the two predicted entries
-while the first user has not left yet. On a collision course it is TTC.
+At each sample both are extrapolated at constant velocity; T2 is the later of the two predicted entries while
+the first user has not left yet. On a collision course it is TTC.
 
-Undefined: empty where the pedestrian never walks into the strip ahead of the ego.
+Undefined: empty where the pedestrian never walks into the strip ahead of the ego, and where they move along
+its direction without a collision course.
 """
 
 from __future__ import annotations

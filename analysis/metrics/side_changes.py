@@ -1,7 +1,8 @@
 """Changes of the passing class: from passing behind a pedestrian to passing ahead, or back.
 
-The `passing` column names who is let pass and who is not: `behind=p1|p2 ahead=p3`. A change is counted
-when a pedestrian's side differs from the last plan of the same ego that named them.
+The `passing` column names who is let pass and who is not: `behind=p1|p2 ahead=p3`. A change is counted when a
+pedestrian's side differs from the last plan of the same ego that named them. For an encounter: until the ego
+has left the conflict area.
 
 Undefined: never; 0 for controllers without passing classes.
 """

@@ -1,5 +1,7 @@
 """Share of plans that had to violate a soft constraint by more than slack_m.
 
+For an encounter: plans until the ego has left the conflict area.
+
 Undefined: empty without plans.
 """
 

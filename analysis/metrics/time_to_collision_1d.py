@@ -3,7 +3,8 @@
 TTC-1D = gap / closing speed for a pedestrian inside the strip straight ahead of the ego, the gap taken
 from the front bumper to the disc and the closing speed along the ego; the smallest one is reported.
 
-Undefined: empty where no pedestrian is ever ahead inside the strip while the ego closes in.
+Undefined: empty where no pedestrian is ever ahead inside the strip while the ego closes in; 0 after a
+contact.
 """
 
 from __future__ import annotations

@@ -96,7 +96,12 @@ POOLED = (
     _share("collision_share", "entered encounters with a collision", "met_collision", key=True),
     _share("ttc_lt_1p5_share", "entered encounters with TTC < 1.5 s", "met_ttc_lt_1p5", key=True),
     _share("pet_lt_1p5_share", "entered encounters with PET < 1.5 s", "met_pet_lt_1p5", key=True),
-    _share("drac_gt_3p4_share", "entered encounters with DRAC > 3.4 m/s²", "met_drac_gt_3p4", key=True),
+    _share(
+        "drac_gt_3p4_share",
+        "entered encounters with DRAC > 3.4 m/s², or with a collision",
+        "met_drac_gt_3p4",
+        key=True,
+    ),
     _share("conflict_share", "entered encounters of severity serious or worse", "met_conflict"),
     _rate("conflicts_per_veh_km", "1/km", "conflicts per km", "n_conflicts", key=True),
     _rate("conflicts_per_veh_h", "1/h", "conflicts per hour of driving", "n_conflicts"),

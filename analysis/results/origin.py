@@ -38,7 +38,7 @@ IDENTITY = (
 CONFIGURATION = (
     text(
         "config_id",
-        "controller and parameters, without the seed",
+        "controller, its parameters, scenario and setting, without the seed",
         source="origin.meta.config_id",
         required=True,
     ),
