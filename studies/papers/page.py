@@ -29,13 +29,13 @@ with the papers' initial conditions.
 
 runs them and writes `claims.csv` and the figures; `make papers` writes this page from them.
 
-Who says a thing matters as much as whether it holds:
+The status says whether a claim holds, and whether it is the paper's or ours:
 
 - **paper's result reproduced**: a number or an event that the paper reports of its experiment comes out of
   ours, within the tolerance, and nothing was chosen for it.
 - **paper's arithmetic checked**: it follows from the paper's printed numbers and equations alone.
-- **fitted**: it comes out, but for a parameter that the paper does not give, a value was chosen with which it
-  does. This is no independent evidence.
+- **fitted**: our result agrees, but for a parameter that the paper does not give, a value was chosen with
+  which it does. This is no independent evidence.
 - **not reproduced**: our number lies outside the tolerance, the event does not happen, or the paper leaves
   out necessary information. The last column gives the reason.
 - **own check**: the paper does not say so. We checked it about our implementation, or about our reading of

@@ -95,7 +95,7 @@ def tables(found: OnNetwork) -> str:
         f"Samples of pedestrians that miss the aim:\n\n{_causes(walking)}\n\n"
         f"These are {walking['missed'].sum()} samples of {walking['id'][walking['missed']].nunique()} "
         f"people, {worst.iloc[-1]} of one; they are {walking['away'][walking['missed']].median():.1f} m from "
-        "their ground in the median: people walk beside the strips as which crossings are drawn."
+        "their ground in the median: people walk beside the strips by which the network draws crossings."
     )
 
 
