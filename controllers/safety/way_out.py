@@ -91,6 +91,8 @@ class _Try(NamedTuple):
     shortest: float
     beyond: float = 0.0
     off: Obstacles | None = None
+    regardless: bool = False
+    """Whether people who have walked into the car are left out of ``near``."""
 
 
 @dataclass(slots=True)
@@ -111,6 +113,8 @@ class WayOut:
     """Length of the way that has been driven [m]."""
     _beyond: float = 0.0
     """How much farther beside the lane the present way may lead [m]."""
+    _regardless: bool = False
+    """Whether the present way disregards people who have walked into the car."""
     _sought: float = -np.inf
     _last: float = 0.0
     # Times of the last search for a way and of the last call of ``command`` [s].
@@ -180,20 +184,15 @@ class WayOut:
         # An ego that inches is no danger to those who walk past ahead of it. It waits only for those who come
         # near, or it would stay while people cross, and others would gather at its side.
         to_walkers = -np.inf if leant_on else TO_WALKERS
-        # SUMO's people walk into a standing car. Who is under it counts no longer: a way that leads away from
-        # them soon leaves the lane, and they would be under the car all the longer.
+        wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
         under = now < -people.radius[:, 0]
-        wide, kept = (
-            np.where(under, -np.inf, np.where(walks, to_walkers, np.minimum(now - NEARER, gap)))
-            for gap in TO_PEOPLE
-        )
         farthest = reach.to_stop if leant_on else reach.room
-        self._look(perception, people, wide, kept, farthest, leant_on)
+        self._look(perception, people, wide, kept, farthest, leant_on, under)
         self.taken = self._way is not None
         if self._way is None:
             return None
         speed = INCHING if leant_on else PAST if (now < CLOSE).any() else SPEED
-        kept = np.where(walks & leant_on & ~under, TO_WALKERS_INCHING, kept)
+        kept = self._counted(np.where(walks & leant_on, TO_WALKERS_INCHING, kept), under)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
@@ -219,16 +218,19 @@ class WayOut:
         kept: FloatArray,
         farthest: float,
         leant_on: bool,
+        under: NDArray[np.bool_],
     ) -> None:
         """Keep the way as long as it is free, else look for another, with the wider distances first.
 
         If somebody leans on the ego, a way that only leads away from them is enough. An ego that stands
         before a crossing first waits for a way that leads over it: on it, more people would wait for it.
+        SUMO's people walk into a standing car, and where they wait for it to leave, it cannot get away from
+        all of them. If there is no way otherwise, those under the body count no longer.
         """
         vehicles, time = _vehicles(perception), perception.ego.time
         way, done, self._way = self._way, self._driven, None
         if way is not None and done < (len(way) - 1) * free_way.ARC:
-            drifted = _drifted(people, kept, vehicles)
+            drifted = _drifted(people, self._counted(kept, under), vehicles)
             if free_way.leads_on(perception, drifted, way, done, self._beyond):
                 self._way = way
                 return
@@ -245,16 +247,28 @@ class WayOut:
         if leant_on:
             apart = _obstacles(people, np.full(len(kept), TO_PEOPLE[1]), vehicles)
             tries.append(_Try(near, free_way.SHORTEST, beside, apart))
+        if under.any():
+            without = _obstacles(people, _disregarded(kept, under), vehicles)
+            tries.append(_Try(without, least, beside, regardless=True))
         for one in tries:
-            self._beyond = one.beyond
+            self._beyond, self._regardless = one.beyond, one.regardless
             self._way = free_way.find(perception, one.near, farthest, one.beyond, one.off, one.shortest)
             if self._way is not None:
                 return
+
+    def _counted(self, kept: FloatArray, under: NDArray[np.bool_]) -> FloatArray:
+        """Return the distances kept on the present way, shape (n,) [m]."""
+        return _disregarded(kept, under) if self._regardless else kept
 
 
 def leans(to_people: FloatArray) -> bool:
     """Return whether somebody leans on the car, given its distances to people, shape (n,) [m]."""
     return bool((to_people <= APART).any())
+
+
+def _disregarded(kept: FloatArray, who: NDArray[np.bool_]) -> FloatArray:
+    """Return distances with which some people are never too near, shape (n,) [m]."""
+    return np.where(who, -np.inf, kept)
 
 
 def _before_a_crossing(perception: Perception) -> bool:
