@@ -5,6 +5,7 @@ const [scene, traces] = [part("replay-scene"), part("replay-traces")];
 const quiet = window.matchMedia("(prefers-reduced-motion: reduce)");
 const stored = new Map(); // key -> data, as files have brought it
 const waiting = new Map(); // key -> what to do with it
+const PLAN_LASTS_S = 1.0; // a plan is shown until the next one, but not longer than this, as in films
 let data = null;
 let row = null;
 let index = 0;
@@ -140,7 +141,11 @@ function frameOf(i) {
       if (person.met) frame.met = person;
     }
   }
-  for (const plan of data.plans) if (plan.time_s <= data.time_s[i] + 1e-6) frame.plan = plan;
+  // Of an ego that no longer plans a path, no old plan stays on the map.
+  for (const plan of data.plans) {
+    const age = data.time_s[i] - plan.time_s;
+    if (age >= -1e-6) frame.plan = age <= PLAN_LASTS_S + 1e-6 ? plan : null;
+  }
   return frame;
 }
 

@@ -89,6 +89,16 @@ def state(page: Page) -> dict[str, Any]:
     return found
 
 
+def all_frames(page: Page) -> list[dict[str, Any]]:
+    """Return the state of the open replay at each of its frames."""
+    found: list[dict[str, Any]] = page.evaluate(
+        "[...Array(window.cosimReplay.state().frames).keys()].map("
+        "i => { window.cosimReplay.step(i - window.cosimReplay.state().index); "
+        "return window.cosimReplay.state(); })"
+    )
+    return found
+
+
 def replay(page: Page, controller: str) -> dict[str, Any]:
     """Open the first replay of a controller."""
     page.select_option("#filter-controller", controller)
@@ -146,11 +156,7 @@ def test_every_frame_shows_what_the_recorded_row_says(page: Page, folder: Path, 
     encounter = encounters.set_index("encounter_id").loc[int(key.rpartition("-")[2])]
     egos = egos[egos["ego_id"] == encounter["ego_id"]].set_index("time_s")
     met = others[others["object_id"] == encounter["ped_id"]].set_index("time_s")
-    frames = page.evaluate(
-        "[...Array(window.cosimReplay.state().frames).keys()].map("
-        "i => { window.cosimReplay.step(i - window.cosimReplay.state().index); "
-        "return window.cosimReplay.state(); })"
-    )
+    frames = all_frames(page)
     assert len(frames) > 30
     times = [frame["time_s"] for frame in frames]
     assert np.allclose(np.diff(times), 0.1, atol=1e-6)
@@ -185,6 +191,19 @@ def test_every_frame_shows_what_the_recorded_row_says(page: Page, folder: Path, 
     else:
         assert all(plan <= time + 1e-6 for plan, time in zip(plans, times, strict=True) if plan is not None)
         assert max(time - plan for plan, time in zip(plans, times, strict=True) if plan is not None) < 0.55
+
+
+def test_an_old_plan_of_an_ego_that_plans_no_more_is_not_shown(page: Page) -> None:
+    page.evaluate(
+        "() => { const take = window.cosimReplayData; "
+        "window.cosimReplayData = (key, data) => { data.plans.splice(1); take(key, data); }; }"
+    )
+    replay(page, "vo_mpc")
+    frames = all_frames(page)
+    (planned,) = {frame["plan_time_s"] for frame in frames} - {None}
+    known = [(frame["time_s"] - planned, frame["plan_time_s"] is not None) for frame in frames]
+    assert {shown for age, shown in known if 0.0 <= age < 0.95} == {True}
+    assert {shown for age, shown in known if age > 1.05} == {False}
 
 
 def test_the_replay_opens_at_the_worst_moment_and_says_what_it_shows(page: Page) -> None:
