@@ -118,9 +118,10 @@ class TrafficNear:
         """Return the road vehicles near a place that is not watched yet: SUMO reports only after a step."""
         of, found = self._sumo.vehicle, []
         for name in of.getIDList():
-            at = of.getPosition(name)
-            if math.dist(at, (x, y)) <= NEAR:
-                found.append(self._user(name, *at, of.getAngle(name), of.getSpeed(name), of.getLaneID(name)))
+            at_x, at_y = of.getPosition(name)
+            if math.dist((at_x, at_y), (x, y)) <= NEAR:
+                angle, speed, lane = of.getAngle(name), of.getSpeed(name), of.getLaneID(name)
+                found.append(self._user(name, at_x, at_y, angle, speed, lane))
         return [user for user in found if user is not None]
 
     def _user(self, name: str, x: float, y: float, angle: float, speed: float, lane: str) -> RoadUser | None:

@@ -148,11 +148,12 @@ def test_another_ego_near_by_is_exported_as_a_vehicle(run: cosim.Run, tmp_path: 
     def apart(encounter: pd.Series) -> float:
         there = egos[egos["time_s"].between(encounter["t_start_s"], encounter["t_end_s"])]
         own, other = (one.set_index("time_s") for _, one in there.groupby("ego_id", observed=True))
-        return float(np.hypot(*(other[name] - own[name] for name in ("front_x_m", "front_y_m"))).min())
+        x, y = (other[name] - own[name] for name in ("front_x_m", "front_y_m"))
+        return float(np.hypot(x, y).min())
 
-    distance = run.encounters.apply(apart, axis=1)
-    assert distance.min() < 70.0
-    nearest = run.encounters.loc[distance.idxmin()]
+    distances = [apart(encounter) for _, encounter in run.encounters.iterrows()]
+    assert min(distances) < 70.0
+    nearest = run.encounters.iloc[int(np.argmin(distances))]
     number = str(nearest["encounter_id"])
     assert main(["export", str(run.folder), "--encounter", number, "--out", str(tmp_path / "out")]) == 0
     file = tmp_path / "out" / f"encounter-{number}.xosc"
