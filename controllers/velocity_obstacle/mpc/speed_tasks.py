@@ -150,7 +150,8 @@ class SpeedTasks:
             speed=ego.speed,
             acceleration=ego.acceleration,
             command=self.memory.commanded(ego)[0],
-            reference=np.minimum(reference, comes_to),
+            # A vehicle in the lane being left counts only until it is left: no run-up to that instant either.
+            reference=_without_a_run_up(np.minimum(reference, comes_to), times, limits.acceleration),
             wanted=reference,
             positions=positions,
             expected=expected,
