@@ -168,6 +168,27 @@ def test_the_aeb_driver_gets_around_a_standing_vehicle(blocked_until: float) -> 
     assert rows[:, 4].min() > -5.0
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("rear", [40.0, 60.0])
+def test_vo_mpc_sets_out_to_pass_a_standing_vehicle_once_it_has_waited(rear: float) -> None:
+    """The vehicle counts only until its lane is left: waiting for that instant, the ego never set out."""
+
+    def scene(state: EgoState, travelled: float) -> Perception:
+        reference = int(state.across > 0.5 * LANE_WIDTH)
+        seen = ego(
+            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
+            state.acceleration, state.steering,
+        )  # fmt: skip
+        cars = [Car(rear + 4.5 - travelled, -reference * LANE_WIDTH, 0.0, width=2.5)]
+        if state.time < 20.0:
+            cars.append(Car(2.0, (1 - reference) * LANE_WIDTH, state.speed))
+        return perception(seen, straight_road(2, reference), cars=cars)
+
+    rows = drive(catalog.build("vo_mpc"), scene, 0.0, 40.0)
+    assert rows[rows[:, 0] < 20.0, 1].max() + FRONT < rear
+    assert rows[-1, 1] > rear + 50.0
+
+
 @pytest.mark.parametrize("gap", [3.0, 4.5, 7.0])
 def test_a_car_that_stands_close_behind_swings_out_without_touching(gap: float) -> None:
     rear = FRONT + gap
