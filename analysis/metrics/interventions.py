@@ -2,9 +2,8 @@
 
 The recorded flag: after the step, SUMO's position of the ego differs from the plant's by more than 0.02 m, or
 its speed from the one that it was told by more than 0.1 m/s, or SUMO has it on another way than its own or on
-no lane. For an encounter: steps until the ego
-has left the conflict area. The causes are counted over the run and add up to the total; recordings of
-earlier versions have none.
+no lane. For an encounter: steps until the ego has left the conflict area. The causes are counted over the run
+and add up to the total; recordings of earlier versions have none.
 
 Undefined: never.
 """

@@ -1,8 +1,8 @@
 """Plans that were not the wanted one, because the problem was not solved.
 
 A controller then uses its declared fallback. For an encounter: plans until the ego has left the conflict
-area. controller_status of an encounter: `ok`, `timeout` where
-the name of a fallback says so, else `infeasible`.
+area. controller_status of an encounter: `ok`, `timeout` where the name of a fallback says so, else
+`infeasible`.
 
 Undefined: never; 0 for controllers that solve nothing.
 """

@@ -94,15 +94,16 @@ class ScriptedPersons:
         seen = {name: self._seen(state, time, one, lights) for name, (one, state) in self._there.items()}
         self._yielding.hold({name: one for name, one in seen.items() if one is not None}, near, driven)
         until = time + self._step
+        own = {ego.name for ego in egos}
         for name, (one, state) in list(self._there.items()):
-            after = one.behaviour.next(state, _with_others(scene, near[name]), until)
+            after = one.behaviour.next(state, _with_others(scene, near[name], own), until)
             if after is None:
                 del self._there[name]
                 self._traffic.leave(name)
                 continue
             self._there[name] = (one, after)
             self._traffic.move(name, after.x, after.y)
-        self._let_in(scene, until)
+        self._let_in(scene, until, own)
 
     @property
     def any(self) -> bool:
@@ -208,8 +209,8 @@ class ScriptedPersons:
         green = {name: lights.pedestrians_have_green(crossings[name]) for name in self._population.signals}
         return Scene(time, egos, (), {name: shows for name, shows in green.items() if shows is not None})
 
-    def _let_in(self, scene: Scene, until: float) -> None:
-        """Add the pedestrians who appear by the end of the step."""
+    def _let_in(self, scene: Scene, until: float, own: Collection[str]) -> None:
+        """Add the pedestrians who appear by the end of the step; ``own`` are the names of the egos."""
         assert self._population is not None
         for ego in scene.egos:
             if ego.name not in self._egos_seen:
@@ -224,16 +225,15 @@ class ScriptedPersons:
                 continue
             # A pedestrian may set off within the step in which they appear, once they have looked around.
             near = self._traffic.around(appears.x, appears.y)
-            state = one.behaviour.next(appears, _with_others(scene, near), until)
+            state = one.behaviour.next(appears, _with_others(scene, near, own), until)
             if state is not None:
                 self._there[one.name] = (one, state)
                 self._traffic.watch(one.name, state.x, state.y)
         self._to_come = waiting
 
 
-def _with_others(scene: Scene, near: Sequence[RoadUser]) -> Scene:
-    """Return a scene in which a pedestrian sees the egos and the other vehicles near them."""
-    own = {ego.name for ego in scene.egos}
+def _with_others(scene: Scene, near: Sequence[RoadUser], own: Collection[str]) -> Scene:
+    """Return a scene in which a pedestrian also sees the vehicles near them that are no egos."""
     return replace(scene, others=[vehicle for vehicle in near if vehicle.name not in own])
 
 

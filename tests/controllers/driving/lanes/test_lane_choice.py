@@ -10,7 +10,7 @@ from controllers.driving.lanes.gap_acceptance import blocker
 from controllers.driving.lanes.lane_choice import LaneChoice
 from controllers.driving.lanes.lane_for_route import lane_for_route
 from controllers.interface import EgoState, Manoeuvre, Perception, RoadAhead
-from tests.controllers.drives import drive
+from tests.controllers.drives import Scene, drive
 from tests.controllers.scenes import (
     FRONT,
     LANE_WIDTH,
@@ -110,15 +110,33 @@ def test_a_change_is_given_up_when_somebody_jumps_into_the_gap() -> None:
     assert controller.decide(jumped).manoeuvre is Manoeuvre.KEEP
 
 
+def in_its_lane(state: EgoState, interval: float = 0.1) -> tuple[int, EgoState]:
+    """Return the lane that the ego is in, and its state relative to that lane."""
+    reference = int(state.across > 0.5 * LANE_WIDTH)
+    return reference, ego(
+        state.speed, state.across - reference * LANE_WIDTH, state.heading_error, interval, state.time,
+        state.acceleration, state.steering,
+    )  # fmt: skip
+
+
+def behind_a_standing_vehicle(rear: float, blocked_until: float, width: float = 1.8) -> Scene:
+    """Return the scene of an ego behind a vehicle in its lane; up to a time, another one keeps beside it."""
+
+    def scene(state: EgoState, travelled: float) -> Perception:
+        reference, seen = in_its_lane(state)
+        cars = [Car(rear + 4.5 - travelled, -reference * LANE_WIDTH, 0.0, width=width)]
+        if state.time < blocked_until:
+            cars.append(Car(2.0, (1 - reference) * LANE_WIDTH, state.speed))
+        return perception(seen, straight_road(2, reference), cars=cars)
+
+    return scene
+
+
 @pytest.mark.parametrize("interval", [0.1, 1.0])
 def test_the_aeb_driver_leaves_an_ending_lane_in_time(interval: float) -> None:
     def scene(state: EgoState, travelled: float) -> Perception:
-        reference = int(state.across > 0.5 * LANE_WIDTH)
+        reference, seen = in_its_lane(state, interval)
         road = lanes_that_follow(straight_road(2, reference), {0: 160.0 - travelled})
-        seen = ego(
-            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, interval, state.time,
-            state.acceleration, state.steering,
-        )  # fmt: skip
         return perception(seen, road)
 
     rows = drive(catalog.build("aeb"), scene, 12.0, 15.0, interval)
@@ -129,12 +147,8 @@ def test_the_aeb_driver_leaves_an_ending_lane_in_time(interval: float) -> None:
 
 def test_a_driver_that_finds_no_gap_stops_before_the_lane_ends_and_goes_on_when_there_is_one() -> None:
     def scene(state: EgoState, travelled: float) -> Perception:
-        reference = int(state.across > 0.5 * LANE_WIDTH)
+        reference, seen = in_its_lane(state)
         road = lanes_that_follow(straight_road(2, reference), {0: 120.0 - travelled})
-        seen = ego(
-            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
-            state.acceleration, state.steering,
-        )  # fmt: skip
         blocking = [Car(2.0, (1 - reference) * LANE_WIDTH, state.speed)] if state.time < 30.0 else []
         return perception(seen, road, cars=blocking)
 
@@ -148,18 +162,7 @@ def test_a_driver_that_finds_no_gap_stops_before_the_lane_ends_and_goes_on_when_
 
 @pytest.mark.parametrize("blocked_until", [0.0, 25.0])
 def test_the_aeb_driver_gets_around_a_standing_vehicle(blocked_until: float) -> None:
-    def scene(state: EgoState, travelled: float) -> Perception:
-        reference = int(state.across > 0.5 * LANE_WIDTH)
-        seen = ego(
-            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
-            state.acceleration, state.steering,
-        )  # fmt: skip
-        cars = [Car(124.5 - travelled, -reference * LANE_WIDTH, 0.0)]
-        if state.time < blocked_until:
-            cars.append(Car(2.0, (1 - reference) * LANE_WIDTH, state.speed))
-        return perception(seen, straight_road(2, reference), cars=cars)
-
-    rows = drive(catalog.build("aeb"), scene, 12.0, 45.0)
+    rows = drive(catalog.build("aeb"), behind_a_standing_vehicle(120.0, blocked_until), 12.0, 45.0)
     assert rows[-1, 1] > 160.0
     # From far away, or from where it waits with room to steer.
     beside = rows[(rows[:, 1] + FRONT > 120.0) & (rows[:, 1] - 0.95 < 124.5)]
@@ -172,19 +175,7 @@ def test_the_aeb_driver_gets_around_a_standing_vehicle(blocked_until: float) -> 
 @pytest.mark.parametrize("rear", [40.0, 60.0])
 def test_vo_mpc_sets_out_to_pass_a_standing_vehicle_once_it_has_waited(rear: float) -> None:
     """The vehicle counts only until its lane is left: waiting for that instant, the ego never set out."""
-
-    def scene(state: EgoState, travelled: float) -> Perception:
-        reference = int(state.across > 0.5 * LANE_WIDTH)
-        seen = ego(
-            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
-            state.acceleration, state.steering,
-        )  # fmt: skip
-        cars = [Car(rear + 4.5 - travelled, -reference * LANE_WIDTH, 0.0, width=2.5)]
-        if state.time < 20.0:
-            cars.append(Car(2.0, (1 - reference) * LANE_WIDTH, state.speed))
-        return perception(seen, straight_road(2, reference), cars=cars)
-
-    rows = drive(catalog.build("vo_mpc"), scene, 0.0, 40.0)
+    rows = drive(catalog.build("vo_mpc"), behind_a_standing_vehicle(rear, 20.0, width=2.5), 0.0, 40.0)
     assert rows[rows[:, 0] < 20.0, 1].max() + FRONT < rear
     assert rows[-1, 1] > rear + 50.0
 
@@ -192,17 +183,7 @@ def test_vo_mpc_sets_out_to_pass_a_standing_vehicle_once_it_has_waited(rear: flo
 @pytest.mark.parametrize("gap", [3.0, 4.5, 7.0])
 def test_a_car_that_stands_close_behind_swings_out_without_touching(gap: float) -> None:
     rear = FRONT + gap
-
-    def scene(state: EgoState, travelled: float) -> Perception:
-        reference = int(state.across > 0.5 * LANE_WIDTH)
-        seen = ego(
-            state.speed, state.across - reference * LANE_WIDTH, state.heading_error, 0.1, state.time,
-            state.acceleration, state.steering,
-        )  # fmt: skip
-        car = Car(rear + 4.5 - travelled, -reference * LANE_WIDTH, 0.0, width=2.2)
-        return perception(seen, straight_road(2, reference), cars=[car])
-
-    rows = drive(catalog.build("aeb"), scene, 0.0, 20.0)
+    rows = drive(catalog.build("aeb"), behind_a_standing_vehicle(rear, 0.0, width=2.2), 0.0, 20.0)
     assert rows[-1, 1] > rear + 20.0
     headings = np.arctan2(np.gradient(rows[:, 2]), np.maximum(np.gradient(rows[:, 1]), 1e-9))
     for (_, along, across, _, _), heading in zip(rows, headings, strict=True):
