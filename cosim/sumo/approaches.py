@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cosim.sumo.network import Network
+from cosim.sumo.network import Connection, Network
 from cosim.sumo.present import forget_absent
 from cosim.sumo.road_users import Cars
 
@@ -18,7 +18,7 @@ SLOW = 2.0
 class Approaches:
     """What is known of the vehicles before junctions.
 
-    It remembers when each came to an all-way stop, or slowed down before a junction without any rule.
+    It remembers when each came to an all-way stop, or slowed down before a junction where vehicles take turns.
     """
 
     def __init__(self, network: Network) -> None:
@@ -26,7 +26,7 @@ class Approaches:
         self._in_order = frozenset(
             lane
             for lane, onward in network.connections.items()
-            if any(connection.in_order or connection.unregulated for connection in onward)
+            if any(connection.in_order or _takes_turns(network, connection) for connection in onward)
         )
         self._cars: Cars | None = None
         self._paces: dict[int, float] = {}
@@ -70,6 +70,10 @@ class Approaches:
     def _order(self, name: str) -> tuple[float, str]:
         known = self._came.get(name)
         return (known[1] if known is not None else math.inf, name)
+
+
+def _takes_turns(network: Network, connection: Connection) -> bool:
+    return any(network.take_turns(connection, foe) for foe, yields in network.foes(connection) if yields)
 
 
 def _paces(cars: Cars) -> dict[int, float]:

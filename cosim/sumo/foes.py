@@ -37,6 +37,8 @@ class Conflict:
 
     foe: Connection
     must_yield: bool
+    in_turn: bool
+    """Whether those who wait take turns, as both have to yield."""
     entry: float
     exit: float
     foe_entry: float
@@ -122,7 +124,7 @@ class FoeFinder:
                     if before_line and _stopped(conflict.foe, lights):
                         continue
                     foe = cars.names[row]
-                    first = before_line and self._goes_first(own, name, foe)
+                    first = before_line and self._goes_first(own, conflict, name, foe)
                     found.append(
                         JunctionFoe(
                             foe,
@@ -139,14 +141,15 @@ class FoeFinder:
                     )
         return found
 
-    def _goes_first(self, own: Connection, name: str, foe: str) -> bool:
+    def _goes_first(self, own: Connection, conflict: Conflict, name: str, foe: str) -> bool:
         """Return whether an ego need not yield to a foe before its line, as it came to the junction first.
 
-        Without any rule, those who wait go one after the other; who does not slow down will not yield either.
+        Where two have to yield to each other, those who wait take turns; who does not slow down will not
+        yield either.
         """
         if own.in_order:
             return self._approaches.goes_first(name, foe)
-        return own.unregulated and self._approaches.waited_longer(name, foe)
+        return conflict.in_turn and self._approaches.waited_longer(name, foe)
 
     def _ways_of(self, name: str, lane: str, route: str) -> tuple[tuple[str, float], ...]:
         """Return the ways through junctions that a vehicle on a lane takes next.
@@ -208,14 +211,15 @@ class FoeFinder:
             own = self._sampled(connection) if drawn is None else drawn.points
             by_way: dict[str, list[Conflict]] = {}
             for foe, yields in foes:
-                conflict = self._conflict(own, drawn, foe, yields)
+                in_turn = network.take_turns(connection, foe)
+                conflict = self._conflict(own, drawn, foe, must_yield=yields, in_turn=in_turn)
                 if conflict is not None:
                     by_way.setdefault(foe.via[-1], []).append(conflict)
             self._conflicts[key] = by_way
         return self._conflicts[key]
 
     def _conflict(
-        self, own: FloatArray, drawn: DrawnWay | None, foe: Connection, must_yield: bool
+        self, own: FloatArray, drawn: DrawnWay | None, foe: Connection, *, must_yield: bool, in_turn: bool
     ) -> Conflict | None:
         other, begins = self._sampled(foe), 0.0
         close = scipy.spatial.distance.cdist(own, other) < CLEARANCE
@@ -233,6 +237,7 @@ class FoeFinder:
         return Conflict(
             foe,
             must_yield,
+            in_turn,
             begins + float(reached.min()),
             begins + WAY_SPACING * float(own_hits.max()),
             WAY_SPACING * float(other_hits[0]),

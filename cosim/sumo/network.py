@@ -88,8 +88,6 @@ class Connection:
     signal_index: int
     in_order: bool
     """Whether vehicles pass in the order in which they stopped, as at an all-way stop."""
-    unregulated: bool
-    """Whether it leads through a junction without any rule, in which SUMO's vehicles yield to nobody."""
     stop_sign: bool
     """Whether there is a stop sign; all-way stops have one at every approach."""
     permissions: Permissions
@@ -218,6 +216,13 @@ class Network:
             and lane in self.through
             and self.through[lane].source != connection.source
         ]
+
+    def take_turns(self, one: Connection, other: Connection) -> bool:
+        """Return whether each of two connections has to yield to the other and no light says who drives.
+
+        So it is at zipper junctions, at all-way stops, and where there is no rule.
+        """
+        return not one.signal and (other, True) in self.foes(one) and (one, True) in self.foes(other)
 
     def others_in_junction(self, connection: Connection) -> list[tuple[Connection, bool]]:
         """Return all connections of a junction from other lanes, and whether this one has to yield to each.

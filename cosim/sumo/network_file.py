@@ -252,7 +252,6 @@ class _Reader:
                     link.get("tl", ""),
                     int(link.get("linkIndex", "-1")),
                     link.get("state") == ALLWAY_STOP,
-                    junction_of(link.get("via", "")) in self.unregulated,
                     link.get("state") in (STOP, ALLWAY_STOP) and "tl" not in link.attrib,
                     _permissions(link),
                 )
