@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.driving.standing import VEHICLE_STANDING, standing
 from controllers.interface import Lane, Neighbour, NeighbourGaps, Perception
 
 
@@ -36,7 +37,8 @@ class GapRule:
     pause_below: float = 3.0
     """Below this speed, a change is paused and not given up: there is no room to steer back [m/s]."""
     side: float = 0.3
-    """Distance kept beside other vehicles [m]."""
+    """Distance kept beside other vehicles, and before one that stands behind: it may be letting the ego in, and
+    neither would move for a larger gap [m]."""
 
 
 def blocker(
@@ -68,8 +70,10 @@ def blocker(
     speed = max(perception.ego.speed, 0.0)
     if ahead is not None and ahead.gap < _required(speed, ahead.speed, rule, begun):
         return ahead.name
-    if behind is not None and behind.gap < _required(behind.speed, speed, rule, begun):
-        return behind.name
+    if behind is not None:
+        stands = behind.speed < VEHICLE_STANDING
+        if behind.gap < (rule.side if stands else _required(behind.speed, speed, rule, begun)):
+            return behind.name
     return _meets(perception, lane, rule, begun)
 
 
@@ -106,7 +110,9 @@ def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> st
     gap_ahead = front - others.length - ego_front
     gap_behind = ego_front - ego.body.length - front
     ahead_needed = share * (rule.minimum + rule.headway * speed)
-    behind_needed = share * (rule.minimum + rule.headway * np.maximum(others.along_speed, 0.0))
+    behind_needed = np.where(
+        standing(others), rule.side, share * (rule.minimum + rule.headway * np.maximum(others.along_speed, 0.0))
+    )
     near = inside & (gap_ahead < ahead_needed) & (gap_behind < behind_needed)
     hits = np.flatnonzero(near.any(axis=0))
     return others.names[int(hits[0])] if len(hits) else None
