@@ -27,6 +27,12 @@ class ListedRun:
         """Whether the run reached its end without a fault."""
         return bool(self.origin.meta.get("valid", False))
 
+    @property
+    def egos_given_up(self) -> int | None:
+        """How many egos were given up; ``None`` if the run does not say."""
+        names = self.origin.meta.get("egos_given_up")
+        return None if names is None else len(names)
+
 
 COLUMNS = (
     *IDENTITY,
@@ -45,4 +51,5 @@ COLUMNS = (
     text("invalid_reason", "the fault", source="origin.meta.invalid_reason"),
     *CONDITIONS,
     count("n_teleports", "egos that SUMO teleported", source="origin.meta.n_teleports"),
+    count("n_egos_given_up", "egos handed back to SUMO's driver as they were stuck", source="egos_given_up"),
 )

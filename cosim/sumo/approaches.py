@@ -18,7 +18,8 @@ SLOW = 2.0
 class Approaches:
     """What is known of the vehicles before junctions.
 
-    It remembers when each came to an all-way stop, or slowed down before a junction where vehicles take turns.
+    It remembers when each came to an all-way stop, or slowed down before another junction where they take
+    turns.
     """
 
     def __init__(self, network: Network) -> None:

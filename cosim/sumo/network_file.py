@@ -25,7 +25,6 @@ from cosim.sumo.network import (
     Permissions,
     Requests,
     WalkingArea,
-    junction_of,
 )
 
 DEFAULT_LANE_WIDTH = 3.2

@@ -37,8 +37,8 @@ class GapRule:
     pause_below: float = 3.0
     """Below this speed, a change is paused and not given up: there is no room to steer back [m/s]."""
     side: float = 0.3
-    """Distance kept beside other vehicles, and before one that stands behind: it may be letting the ego in, and
-    neither would move for a larger gap [m]."""
+    """Distance kept beside other vehicles, and before one that stands behind. That one may be letting the ego
+    in: if the ego waited for a larger gap, neither would ever move [m]."""
 
 
 def blocker(
@@ -111,7 +111,9 @@ def _meets(perception: Perception, lane: Lane, rule: GapRule, begun: bool) -> st
     gap_behind = ego_front - ego.body.length - front
     ahead_needed = share * (rule.minimum + rule.headway * speed)
     behind_needed = np.where(
-        standing(others), rule.side, share * (rule.minimum + rule.headway * np.maximum(others.along_speed, 0.0))
+        standing(others),
+        rule.side,
+        share * (rule.minimum + rule.headway * np.maximum(others.along_speed, 0.0)),
     )
     near = inside & (gap_ahead < ahead_needed) & (gap_behind < behind_needed)
     hits = np.flatnonzero(near.any(axis=0))

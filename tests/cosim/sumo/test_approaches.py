@@ -46,6 +46,12 @@ def no_rule_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return _crossroads(tmp_path_factory.mktemp("no_rule"), "unregulated")
 
 
+@pytest.fixture(scope="module")
+def zipper_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of crossroads where everybody has to yield to everybody."""
+    return _crossroads(tmp_path_factory.mktemp("zipper"), "zipper")
+
+
 def _crossroads(folder: Path, kind: str) -> Path:
     file = folder / "net.xml"
     netgenerate = Path(sumo.SUMO_HOME) / "bin" / "netgenerate"
@@ -143,7 +149,7 @@ def test_a_vehicle_is_no_faster_than_those_before_it_in_its_lane(all_way: Networ
 
 @pytest.mark.sumo
 @pytest.mark.parametrize("ego_first", [True, False])
-@pytest.mark.parametrize("kind", ["all_way_file", "no_rule_file"])
+@pytest.mark.parametrize("kind", ["all_way_file", "no_rule_file", "zipper_file"])
 def test_an_ego_yields_to_those_only_who_came_before_it(
     kind: str, ego_first: bool, request: pytest.FixtureRequest
 ) -> None:

@@ -1,5 +1,6 @@
 """Egos that could wait for ever: at the end of a lane that leads off their route, and anywhere: runs in SUMO."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -115,6 +116,8 @@ def test_an_ego_leaves_a_lane_that_leads_elsewhere_over_the_crossing_at_its_end(
 def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tmp_path: Path) -> None:
     out = stands(build(tmp_path, "priority", 20.0), STOOD + 120.0)
     assert json.loads((out / "run.json").read_text())["egos_given_up"] == ["v"]
+    with (out / "runs.csv").open(encoding="utf-8", newline="") as file:
+        assert [row["n_egos_given_up"] for row in csv.DictReader(file)] == ["1"]
     egos = pd.read_parquet(out / "egos.parquet")
     driven = egos[~egos["handed_back"]]
     assert driven["time_s"].iloc[-1] == pytest.approx(STOOD, abs=1.0)

@@ -132,6 +132,31 @@ def test_stop_signs_are_where_the_network_has_them(
     assert all(one.in_order is in_order for one in signs)
 
 
+@pytest.mark.parametrize(
+    ("kind", "turns"),
+    [
+        ("zipper", True),
+        ("unregulated", True),
+        ("allway_stop", True),
+        ("priority", False),
+        ("traffic_light", False),
+    ],
+)
+def test_ways_that_cross_take_turns_where_both_have_to_yield_and_no_light_tells_who_drives(
+    tmp_path: Path, kind: str, turns: bool
+) -> None:
+    path = tmp_path / "net.xml"
+    options = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={kind}"]
+    netgenerate = netconvert().with_name("netgenerate")
+    subprocess.run([netgenerate, *options, "-o", path], check=True, capture_output=True)
+    network = read_network(path)
+    (north,), (east,) = (
+        network.follow("B0B1_0", "B1B2", "passenger"),
+        network.follow("A1B1_0", "B1C1", "passenger"),
+    )
+    assert network.take_turns(north, east) is network.take_turns(east, north) is turns
+
+
 def test_the_measured_intersection_is_read(braunschweig: Network) -> None:
     assert len(braunschweig.crossings) == 8
     assert {crossing.kind for crossing in braunschweig.crossings.values()} == {CrossingKind.SIGNAL}

@@ -22,6 +22,8 @@ from tests.controllers.scenes import (
     zebra,
 )
 
+REAR = FRONT - ego().body.length
+
 
 def _ending(lanes: int = 2, reference: int = 0, **distances: float) -> RoadAhead:
     named = {int(key.removeprefix("lane")): value for key, value in distances.items()}
@@ -74,6 +76,8 @@ def test_lanes_that_differ_by_a_bend_s_width_end_at_the_same_place() -> None:
         Car(FRONT + 4.5 + 30.0, LANE_WIDTH, 2.0),  # ahead, much slower
         Car(-10.0, LANE_WIDTH, 13.0),  # behind, too near
         Car(-30.0, LANE_WIDTH, 22.0),  # behind, much faster
+        Car(REAR - 2.0, LANE_WIDTH, 0.2),  # behind, creeping up
+        Car(REAR - 0.2, LANE_WIDTH, 0.0),  # behind, so near that it is rather beside
         Car(FRONT, 2 * LANE_WIDTH, 13.0, across_speed=-1.0),  # comes over from the third lane
     ],
 )
@@ -83,7 +87,14 @@ def test_no_change_is_begun_into_a_gap_that_is_too_small(car: Car) -> None:
     assert LaneChoice().choose(seen) == (0, "car0")
 
 
-@pytest.mark.parametrize("car", [Car(FRONT + 4.5 + 16.0, LANE_WIDTH, 13.0), Car(-17.0, LANE_WIDTH, 13.0)])
+@pytest.mark.parametrize(
+    "car",
+    [
+        Car(FRONT + 4.5 + 16.0, LANE_WIDTH, 13.0),
+        Car(-17.0, LANE_WIDTH, 13.0),
+        Car(REAR - 0.5, LANE_WIDTH, 0.0),  # stands: it may be letting the ego in
+    ],
+)
 def test_a_change_is_begun_when_the_gaps_are_large_enough(car: Car) -> None:
     seen = perception(road=_ending(lane0=80.0), cars=[car])
     assert blocker(seen, 1) is None
