@@ -98,7 +98,11 @@ def bars(runs: Sequence[Run], own_demand: Sequence[str]) -> list[Bar]:
             f"{judged.total(FORESEEABLE)} of {judged.total('n_stopped_on_crossing')}",
             _zero(judged.total(FORESEEABLE), ran),
         ),
-        _none("0 deadlocks", judged.total("deadlock"), ran),
+        Bar(
+            "0 deadlocks",
+            f"{judged.total('deadlock')}; {judged.total('n_egos_given_up')} egos were given up",
+            _zero(judged.total("deadlock"), ran),
+        ),
         _interventions(judged, ran),
         _none("0 passes within 0.5 m above 3 m/s", judged.total("n_close_passes"), ran),
         _delay(runs),

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from cosim.cli import main
 from cosim.running.request import RunRequest
 from cosim.running.simulation import run
 from cosim.sumo.stranded import MISSED, STOOD
@@ -116,6 +117,7 @@ def test_an_ego_leaves_a_lane_that_leads_elsewhere_over_the_crossing_at_its_end(
 def test_an_ego_that_stands_for_too_long_is_handed_back_and_driven_on_by_sumo(tmp_path: Path) -> None:
     out = stands(build(tmp_path, "priority", 20.0), STOOD + 120.0)
     assert json.loads((out / "run.json").read_text())["egos_given_up"] == ["v"]
+    assert main(["analyse", str(out)]) == 0
     with (out / "runs.csv").open(encoding="utf-8", newline="") as file:
         assert [row["n_egos_given_up"] for row in csv.DictReader(file)] == ["1"]
     egos = pd.read_parquet(out / "egos.parquet")
