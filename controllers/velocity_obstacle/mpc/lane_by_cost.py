@@ -211,33 +211,43 @@ class LaneByCost:
         return np.inf if tight or _crossings_near(perception, later, 0.0) else later
 
     def _beyond_crossings(self, perception: Perception, place: float) -> float:
-        """Return a waiting place, or one beyond the crossings near it if a change may begin there [m]."""
+        """Return a waiting place, or one beyond the crossings near it if a change may begin there [m].
+
+        Where crossings follow each other too closely for that, the body waits between them.
+        """
         near = _crossings_near(perception, place, self.settings.room - 1.0)
         if not near:
             return place
         beyond = max(crossing.exit for crossing in near) + perception.ego.body.length + OVER
-        return place if _crossings_near(perception, beyond, self.settings.room - 1.0) else beyond
+        if not _crossings_near(perception, beyond, self.settings.room - 1.0):
+            return beyond
+        for crossing in sorted(near, key=lambda crossing: crossing.entry, reverse=True):
+            if crossing.entry < place and crossing.exit > place - perception.ego.body.length:
+                place = crossing.entry - OVER
+        return place
 
     def _crossing_in_the_way(self, perception: Perception) -> str:
         """Return ``crossing`` if a change for the route would not end before one; empty otherwise.
 
         Such a change may begin nearer to a crossing than others, because a lane that ends there would
-        otherwise never be left. An ego that stands so near the lane's end that no better place follows begins
-        the change if nobody is at the crossings and the light is green.
+        otherwise never be left. An ego that stands where it waits for the change, as no better place follows,
+        begins it if nobody is at the crossings and the light is green.
         """
         needed = max(self._length_of_change(perception), self.settings.room - 1.0)
         near = _crossings_near(perception, perception.ego.body.front, needed)
         return "crossing" if near and not self._last_place(perception, near) else ""
 
     def _last_place(self, perception: Perception, near: list[Crossing]) -> bool:
-        """Return whether the ego stands where its lane leaves no more room, and may go over the crossings."""
+        """Return whether the ego stands where no better place follows, and may go over the crossings."""
         ego, road = perception.ego, perception.road
         here = road.lane(road.reference)
         if here is None or ego.speed >= STANDING:
             return False
-        room = here.follows_route_for - ego.body.front
+        at_the_end = here.follows_route_for - ego.body.front < self.settings.room - 1.0
+        if not at_the_end and self.waiting_place(perception) > ego.body.front + OVER:
+            return False
         ahead = [signal for signal in road.signals if signal.stop_line > ego.body.front - OVER]
-        if room >= self.settings.room - 1.0 or any(
+        if any(
             signal.state is not SignalState.GREEN and signal.stop_line - ego.body.front < self.settings.room
             for signal in ahead
         ):
