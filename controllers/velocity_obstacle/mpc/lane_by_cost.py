@@ -202,7 +202,7 @@ class LaneByCost:
         place = here.follows_route_for - self.settings.room
         behind = ego.body.length + self.settings.gaps.minimum + OVER if wanted < road.reference else 0.0
         for before in (behind, 0.0):
-            at = self._beyond_crossings(perception, place - before)
+            at = self._clear_of_crossings(perception, place - before, here.follows_route_for - TIGHT_ROOM)
             # An ego that stands there already may be slightly beyond the place.
             if ego.speed**2 / (2.0 * WAITING_BRAKING) <= at + OVER - ego.body.front:
                 return at
@@ -210,16 +210,17 @@ class LaneByCost:
         tight = later > here.follows_route_for - TIGHT_ROOM
         return np.inf if tight or _crossings_near(perception, later, 0.0) else later
 
-    def _beyond_crossings(self, perception: Perception, place: float) -> float:
+    def _clear_of_crossings(self, perception: Perception, place: float, last: float) -> float:
         """Return a waiting place, or one beyond the crossings near it if a change may begin there [m].
 
-        Where crossings follow each other too closely for that, the body waits between them.
+        Where crossings or the ``last`` place for a change follow too closely for that, the ego waits where its
+        body is on no crossing.
         """
         near = _crossings_near(perception, place, self.settings.room - 1.0)
         if not near:
             return place
         beyond = max(crossing.exit for crossing in near) + perception.ego.body.length + OVER
-        if not _crossings_near(perception, beyond, self.settings.room - 1.0):
+        if beyond <= last and not _crossings_near(perception, beyond, self.settings.room - 1.0):
             return beyond
         for crossing in sorted(near, key=lambda crossing: crossing.entry, reverse=True):
             if crossing.entry < place and crossing.exit > place - perception.ego.body.length:

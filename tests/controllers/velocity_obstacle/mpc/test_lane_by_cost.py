@@ -44,7 +44,23 @@ def test_where_a_crossing_is_in_the_way_of_the_change_it_waits_beyond_it_if_ther
     there = _place(1, speed=1.0, ends=25.0, crossings=(first, zebra(26.0)))
     assert free < first.exit + Body().length
     assert first.exit + Body().length < there < 26.0
-    assert _place(1, speed=1.0, ends=25.0, crossings=(first, zebra(16.0))) == free
+
+
+def test_between_crossings_that_follow_each_other_closely_it_waits_with_its_body_on_none() -> None:
+    first, second = zebra(2.0), zebra(16.0)
+    between = _place(1, speed=1.0, ends=25.0, crossings=(first, second))
+    assert first.exit + Body().length < between < second.entry
+    assert _place(1, speed=1.0, ends=45.0, crossings=(zebra(22.0), zebra(32.0))) == 21.0
+
+
+def test_it_changes_over_the_crossings_from_there_as_no_better_place_follows() -> None:
+    """An ego stood before its waiting place between two crossings until it was given up."""
+    controller = catalog.build("vo_mpc", seed=1)
+    for forward, begins in ((0.0, False), (8.5, True)):
+        near = (zebra(2.0 - forward), zebra(16.0 - forward))
+        road = lanes_that_follow(straight_road(2, 1), {1: 25.0 - forward})
+        seen = perception(ego(speed=0.0, time=forward), road, crossings=near)
+        assert (controller.decide(seen).manoeuvre is Manoeuvre.CHANGE_RIGHT) is begins
 
 
 def test_who_comes_to_rest_beyond_the_place_waits_where_it_can_still_change() -> None:
