@@ -213,8 +213,8 @@ class LaneByCost:
     def _clear_of_crossings(self, perception: Perception, place: float, last: float) -> float:
         """Return a waiting place, or one beyond the crossings near it if a change may begin there [m].
 
-        Where crossings or the ``last`` place for a change follow too closely for that, the ego waits where its
-        body is on no crossing.
+        Where crossings follow each other too closely for that, or the ``last`` place for a change comes too
+        soon, the ego waits with its body on no crossing.
         """
         near = _crossings_near(perception, place, self.settings.room - 1.0)
         if not near:
