@@ -193,6 +193,8 @@ class WayOut:
             return None
         speed = INCHING if leant_on else PAST if (now < CLOSE).any() else SPEED
         kept = self._counted(np.where(walks & leant_on, TO_WALKERS_INCHING, kept), under)
+        # On a way that leads out from over somebody, the body may reach farther over them at first.
+        kept = _disregarded(kept, under & ~walks)
         arc = min(int((self._driven + AHEAD) / free_way.ARC), len(self._way) - 1)
         return _towards(perception, people, walks, kept, times, float(self._way[arc]), speed)
 
