@@ -212,6 +212,8 @@ def test_a_queue_is_waited_in_although_the_ego_makes_room_for_somebody_in_its_la
         [Walker(1.0, -(0.5 * BODY.width + 0.25) + 0.05)],
         # SUMO's people walk into a standing car. However it moves, one of these gets farther under it.
         [Walker(2.0, 0.7), Walker(2.0, -0.7), Walker(3.0, 0.2), Walker(3.3, -0.2)],
+        # The way leads off to the right of this one, but at first the bumper gets farther over them.
+        [Walker(BODY.front - 0.2, 0.3)],
     ],
 )
 def test_people_who_lean_on_the_car_are_left_so_slowly_that_it_counts_as_standing(
