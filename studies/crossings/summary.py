@@ -39,15 +39,14 @@ def read_study(folders: Iterable[Path]) -> tuple[pd.DataFrame, pd.DataFrame]:
             frame = pd.read_csv(BytesIO(read_verified(folder / name)))
             if frame.empty:
                 continue
-            given = pd.DataFrame(
-                {
-                    "controller": description["controller"],
-                    "vehicles_per_hour": demand["vehicles_per_hour"],
-                    "pedestrians_per_hour": demand["pedestrians_per_hour"],
-                },
-                index=frame.index,
+            in_one_piece = frame.copy()  # pandas warns of adding columns to what it has read in many pieces
+            rows.append(
+                in_one_piece.assign(
+                    controller=description["controller"],
+                    vehicles_per_hour=demand["vehicles_per_hour"],
+                    pedestrians_per_hour=demand["pedestrians_per_hour"],
+                )
             )
-            rows.append(pd.concat([frame.drop(columns=[*given], errors="ignore"), given], axis=1))
     return pd.concat(runs, ignore_index=True), pd.concat(encounters, ignore_index=True)
 
 

@@ -15,7 +15,8 @@ class GapRule:
     """Conditions under which the gaps of another lane are large enough.
 
     At the beginning each gap must be at least G_min = minimum + headway · v plus the distance needed to brake
-    off the closing speed; later in the manoeuvre it must stay above a share of G_min.
+    off the closing speed; later in the manoeuvre it must stay above a share of G_min. Before a vehicle that
+    stands behind, ``side`` is enough.
     """
 
     minimum: float = 2.5
@@ -38,7 +39,7 @@ class GapRule:
     """Below this speed, a change is paused and not given up: there is no room to steer back [m/s]."""
     side: float = 0.3
     """Distance kept beside other vehicles, and before one that stands behind. That one may be letting the ego
-    in: if the ego waited for a larger gap, neither would ever move [m]."""
+    in: if the ego waited for a larger gap, neither would move [m]."""
 
 
 def blocker(

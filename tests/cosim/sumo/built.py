@@ -6,6 +6,15 @@ from pathlib import Path
 from sumo_scenarios.sumo_installation import netconvert
 
 
+def grid(folder: Path, junctions: str, *options: str) -> Path:
+    """Return the file of a grid with nine junctions of one of SUMO's types, in which nobody turns round."""
+    target = folder / "net.xml"
+    kind = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={junctions}"]
+    netgenerate = netconvert().with_name("netgenerate")
+    subprocess.run([netgenerate, *kind, *options, "-o", target], check=True, capture_output=True)
+    return target
+
+
 def network(folder: Path, nodes: str, edges: str, connections: str = "") -> Path:
     """Return the file of a network that netconvert makes from elements of its plain files."""
     parts = {"node": nodes, "edge": edges, "connection": connections}

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
 import libsumo
 import numpy as np
 import pytest
-import sumo
 
 from cosim.sumo.approaches import Approaches
 from cosim.sumo.foes import FoeFinder
@@ -18,6 +16,8 @@ from cosim.sumo.lights import Lights
 from cosim.sumo.network import Network
 from cosim.sumo.network_file import read_network
 from cosim.sumo.road_users import Cars
+
+from . import built
 
 LENGTH, WIDTH = 5.0, 1.8
 
@@ -37,29 +37,19 @@ def no_rule(no_rule_file: Path) -> Network:
 @pytest.fixture(scope="module")
 def all_way_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The file of the crossroads with all-way stops."""
-    return _crossroads(tmp_path_factory.mktemp("all_way"), "allway_stop")
+    return built.grid(tmp_path_factory.mktemp("all_way"), "allway_stop")
 
 
 @pytest.fixture(scope="module")
 def no_rule_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The file of those without any rule."""
-    return _crossroads(tmp_path_factory.mktemp("no_rule"), "unregulated")
+    return built.grid(tmp_path_factory.mktemp("no_rule"), "unregulated")
 
 
 @pytest.fixture(scope="module")
 def zipper_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The file of crossroads where everybody has to yield to everybody."""
-    return _crossroads(tmp_path_factory.mktemp("zipper"), "zipper")
-
-
-def _crossroads(folder: Path, kind: str) -> Path:
-    file = folder / "net.xml"
-    netgenerate = Path(sumo.SUMO_HOME) / "bin" / "netgenerate"
-    options = ["--grid.number=3", "--grid.length=100", f"--default-junction-type={kind}"]
-    subprocess.run(
-        [netgenerate, "--grid", *options, "--no-turnarounds", "-o", file], check=True, capture_output=True
-    )
-    return file
+    return built.grid(tmp_path_factory.mktemp("zipper"), "zipper")
 
 
 def _cars(network: Network, places: Sequence[tuple[str, str, float, float]]) -> Cars:

@@ -12,6 +12,8 @@ from cosim.sumo.network import TURNAROUND, Network
 from cosim.sumo.network_file import read_network
 from sumo_scenarios.sumo_installation import netconvert
 
+from . import built
+
 ROAD = (
     '<net><edge id="e"><lane id="e_0" index="0" length="{length}" speed="1" shape="{shape}"/></edge>'
     '<connection from="e" to="e" fromLane="{link}" toLane="0"/></net>'
@@ -53,11 +55,7 @@ def test_a_left_turn_yields_to_oncoming_traffic_and_not_the_other_way_round(town
 
 
 def test_in_an_unregulated_junction_everybody_whose_way_meets_is_yielded_to(tmp_path: Path) -> None:
-    path = tmp_path / "net.xml"
-    options = ["--grid", "--grid.number", "3", "--default-junction-type", "unregulated", "--no-turnarounds"]
-    netgenerate = netconvert().with_name("netgenerate")
-    subprocess.run([netgenerate, *options, "-o", path], check=True, capture_output=True)
-    network = read_network(path)
+    network = read_network(built.grid(tmp_path, "unregulated"))
     (own,) = network.follow("B0B1_0", "B1B2", "passenger")
     foes = network.foes(own)
     assert all(yields for _, yields in foes)
@@ -71,11 +69,8 @@ def test_in_an_unregulated_junction_everybody_whose_way_meets_is_yielded_to(tmp_
 def test_pedestrians_wait_for_a_stream_of_cars_unless_nothing_is_regulated(
     tmp_path: Path, junctions: str, kind: CrossingKind, waited: bool
 ) -> None:
-    net, demand = tmp_path / "net.xml", tmp_path / "demand.rou.xml"
-    options = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={junctions}"]
     walks = ["--sidewalks.guess", "--crossings.guess", "--walkingareas"]
-    netgenerate = netconvert().with_name("netgenerate")
-    subprocess.run([netgenerate, *options, *walks, "-o", net], check=True, capture_output=True)
+    net, demand = built.grid(tmp_path, junctions, *walks), tmp_path / "demand.rou.xml"
     demand.write_text(
         """<routes>
             <flow id="cars" from="A1B1" to="B1C1" begin="0" end="60" period="1.6" departSpeed="max"/>
@@ -119,14 +114,9 @@ def test_a_turnaround_is_one_whichever_side_traffic_keeps_to(tmp_path: Path) -> 
 def test_stop_signs_are_where_the_network_has_them(
     tmp_path: Path, kind: str, with_a_sign: int, in_order: bool
 ) -> None:
-    path = tmp_path / "net.xml"
-    options = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={kind}"]
-    netgenerate = netconvert().with_name("netgenerate")
-    subprocess.run([netgenerate, *options, "-o", path], check=True, capture_output=True)
+    network = read_network(built.grid(tmp_path, kind))
     into = ("A1B1", "B0B1", "C1B1", "B2B1")
-    onward = [
-        one for lane, ways in read_network(path).connections.items() if lane[:4] in into for one in ways
-    ]
+    onward = [one for lane, ways in network.connections.items() if lane[:4] in into for one in ways]
     signs = [one for one in onward if one.stop_sign]
     assert len(signs) == with_a_sign
     assert all(one.in_order is in_order for one in signs)
@@ -145,15 +135,9 @@ def test_stop_signs_are_where_the_network_has_them(
 def test_ways_that_cross_take_turns_where_both_have_to_yield_and_no_light_tells_who_drives(
     tmp_path: Path, kind: str, turns: bool
 ) -> None:
-    path = tmp_path / "net.xml"
-    options = ["--grid", "--grid.number=3", "--no-turnarounds", f"--default-junction-type={kind}"]
-    netgenerate = netconvert().with_name("netgenerate")
-    subprocess.run([netgenerate, *options, "-o", path], check=True, capture_output=True)
-    network = read_network(path)
-    (north,), (east,) = (
-        network.follow("B0B1_0", "B1B2", "passenger"),
-        network.follow("A1B1_0", "B1C1", "passenger"),
-    )
+    network = read_network(built.grid(tmp_path, kind))
+    (north,) = network.follow("B0B1_0", "B1B2", "passenger")
+    (east,) = network.follow("A1B1_0", "B1C1", "passenger")
     assert network.take_turns(north, east) is network.take_turns(east, north) is turns
 
 
