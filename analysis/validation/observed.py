@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -73,8 +74,7 @@ def observe(folder: Path) -> Observed:
     path = folder / TRAFFIC.file
     if not path.is_file():
         raise RecordingError(f"{folder}: no {TRAFFIC.file}; expected a run that recorded everybody")
-    read_verified(path)
-    table = pd.read_parquet(path, columns=list(_COLUMNS))
+    table = pd.read_parquet(BytesIO(read_verified(path)), columns=list(_COLUMNS))
     step = float(read_json(folder / "run.json")["step_s"])
     every = max(1, round(COARSEST_S / step))
     numbers = np.round(table["time_s"].to_numpy() / step).astype(np.int64)

@@ -1,8 +1,9 @@
 """People who stay beside the ego's way: how near its body comes to them, and how fast it may pass.
 
 The body is placed along the way into a lane, with all four corners on the true curve of the road. Pedestrians
-who are not expected to enter that way are discs at their present places. The nearer the body comes to them,
-the more slowly the ego passes. Pedestrians who wait at a crossing or stand in the road may set off while the
+who are not expected to enter that way are discs at the places where the ego meets them. Those who walk along
+the road where it bends may follow the bend or go straight on. The nearer the body comes to them, the more
+slowly the ego passes. Pedestrians who wait at a crossing or stand in the road may set off while the
 ego passes, so it must be able to stop before they reach it.
 """
 
@@ -17,6 +18,7 @@ from controllers.arrays import FloatArray
 from controllers.driving.lanes import way_into_lane
 from controllers.driving.standing import walking
 from controllers.geometry.path_clearance import disc_clearances
+from controllers.geometry.plane import people_in_plane, to_plane
 from controllers.geometry.swing import farthest_out
 from controllers.interface import Body, Perception, RoadAhead
 
@@ -43,6 +45,9 @@ UNBOUNDED = 100.0
 ASIDE = 2.2
 """Pedestrians farther than this beside the body of a car cannot be near its front, even where it swings out;
 the front of a longer vehicle swings out farther [m]."""
+STRAIGHT_ON_S, BENDING = 2.5, 0.05
+"""For how long people who walk along a bend may go straight on instead, and the change of direction of the
+road that counts as a bend [s, rad]."""
 LARGEST_SWING = 1.5
 """The front of a car swings out by no more than this; that of a longer vehicle may swing out more [m]."""
 
@@ -60,13 +65,15 @@ class Bystanders(NamedTuple):
     """True for those who walk, shape (n,)."""
     sets_off: FloatArray
     """Speed at which those who stand in the road may set off; nan for others, shape (n,) [m/s]."""
+    guessed: NDArray[np.bool_]
+    """True for a second entry of those who may go straight on where the road bends, shape (n,)."""
     clearance: FloatArray
     """Distance from the body to each pedestrian at each position, shape (k, n) [m]."""
 
     def least(self, count: int) -> FloatArray:
         """Return the least distance to each of ``count`` pedestrians; inf for those not considered [m]."""
         least = np.full(count, np.inf)
-        least[self.who] = self.clearance.min(axis=0)
+        least[self.who[~self.guessed]] = self.clearance[:, ~self.guessed].min(axis=0, initial=np.inf)
         return least
 
     def speed_limit(self, waited_for: NDArray[np.int64]) -> tuple[FloatArray, FloatArray] | None:
@@ -114,7 +121,11 @@ def speed_to_stop(clearance: FloatArray, pace: float = SETTING_OFF) -> FloatArra
 
 
 def bystanders(
-    perception: Perception, offset: float, enters: NDArray[np.bool_], sets_off: FloatArray
+    perception: Perception,
+    offset: float,
+    enters: NDArray[np.bool_],
+    sets_off: FloatArray,
+    expected: tuple[FloatArray, FloatArray],
 ) -> Bystanders | None:
     """Return how near the body comes to the people beside its way into a lane; ``None`` without any.
 
@@ -130,6 +141,8 @@ def bystanders(
         and may turn back.
     sets_off
         See ``Expectation`` [m/s].
+    expected
+        Positions of the rear axle, ascending, and when the ego is expected there, shape (m,) each [m, s].
     """
     ego, people = perception.ego, perception.pedestrians
     counts = ~enters | (people.along < ego.body.front) | ~np.isnan(sets_off)
@@ -138,20 +151,70 @@ def bystanders(
     swing = farthest_out(ego.body, perception.road.curvature)
     farthest = max(LOOK_AHEAD, LOOK_AHEAD_S * ego.speed)
     aside = 0.5 * ego.body.width + max(ASIDE, swing + FREE)
-    if way_into_lane.nobody_near(perception, offset, farthest, aside):
+    turning = _who_walk_along_a_bend(perception, counts)
+    if not len(turning) and way_into_lane.nobody_near(perception, offset, farthest, aside):
         return None
     places, way = way_into_lane.poses(perception, offset, farthest)
     near, at = way_into_lane.people_beside(perception, way, aside)
-    who, at = near[counts[near]], at[counts[near]]
+    near, at = near[counts[near]], at[counts[near]]
+    there = np.broadcast_to(at[:, None], (len(near), len(places), 2))
+    guessed, straight = _going_straight_on(perception, turning, np.interp(places, *expected), way, aside)
+    who, there = np.concatenate((near, guessed)), np.concatenate((there, straight))
     if not len(who):
         return None
     x, y, heading = way[:, :, None]
-    still = (
-        np.broadcast_to(values[:, None], (len(who), len(places))) for values in (*at.T, people.radius[who])
+    radius = np.broadcast_to(people.radius[who, None], there.shape[:2])
+    clearance = disc_clearances(x, y, heading, ego.body, there[..., 0], there[..., 1], radius)[:, 0, :]
+    return Bystanders(
+        places,
+        who,
+        people.waiting[who],
+        walking(people)[who],
+        np.minimum(sets_off[who], HASTE),
+        np.arange(len(who)) >= len(near),
+        clearance,
     )
-    clearance = disc_clearances(x, y, heading, ego.body, *still)[:, 0, :]
-    walk = walking(people)[who]
-    return Bystanders(places, who, people.waiting[who], walk, np.minimum(sets_off[who], HASTE), clearance)
+
+
+def _who_walk_along_a_bend(perception: Perception, counts: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return which of some pedestrians walk beside a bend of the road, by index."""
+    people, road = perception.pedestrians, perception.road
+    walk = counts & (people.crossing < 0) & walking(people)
+    if not (walk.any() and road.curvature.any()):
+        return np.empty(0, np.intp)
+    then = people.along + STRAIGHT_ON_S * people.along_speed
+    (_, now), (_, turned) = (to_plane(road, along, people.across) for along in (people.along, then))
+    return (walk & (np.abs(turned - now) > BENDING)).nonzero()[0]
+
+
+def _going_straight_on(
+    perception: Perception, who: NDArray[np.intp], when: FloatArray, way: FloatArray, aside: float
+) -> tuple[NDArray[np.intp], FloatArray]:
+    """Return who comes near a way by walking straight on, and where they are then.
+
+    Parameters
+    ----------
+    perception
+        What the ego is told.
+    who
+        Which pedestrians, by index.
+    when
+        When the ego is at each of the k poses of its way, shape (k,) [s].
+    way
+        x, y and heading of the rear axle, shape (3, k).
+    aside
+        How far beside the way to look [m].
+
+    Returns
+    -------
+    n of the pedestrians, by index, and their places in the plane of the way at those times, (n, k, 2) [m].
+    """
+    places, velocities = people_in_plane(perception.ego, perception.road, perception.pedestrians)
+    until = np.minimum(when, STRAIGHT_ON_S)[:, None]
+    there = places[who, None] + until * velocities[who, None]
+    apart = np.hypot(there[..., 0] - way[0], there[..., 1] - way[1]).min(axis=1)
+    near = apart - perception.pedestrians.radius[who] < aside
+    return who[near], there[near]
 
 
 def swing_out(road: RoadAhead, body: Body, along: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,9 +1,10 @@
 """The search for a way at walking pace round standing people and vehicles.
 
 The search starts at the rear axle and continues every way by arcs of equal length, one for each of several
-steering angles. It keeps the poses that touch nobody and stay near the lane, and of those in a small cell the
-cheapest. After some metres, the cheapest way is the answer. The arcs are short, so that a car can turn
-between two people, and the distance from the lane's centre line costs, so that the ego comes back to it.
+steering angles. It keeps the poses that touch nobody, nor half an arc earlier, and stay near the lane, and of
+those in a small cell the cheapest. After some metres, the cheapest way is the answer. The arcs are short, so
+that a car can turn between two people, and the distance from the lane's centre line costs, so that the ego
+comes back to it.
 """
 
 from __future__ import annotations
@@ -216,18 +217,26 @@ def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) 
     before = np.repeat(np.arange(len(at.x)), len(angles))
     bend = np.tan(steering) / ego.body.wheelbase
     cost = at.cost[before] + STEERED * np.abs(steering - at.steering[before])
-    middle = at.heading[before] + 0.5 * length * bend
-    x = at.x[before] + length * np.cos(middle)
-    y = at.y[before] + length * np.sin(middle)
-    heading = at.heading[before] + length * bend
-    away = _away(ego, x, y, heading, space.obstacles)
-    free = np.flatnonzero(away >= 0.0)
-    poses, away = _Poses(x, y, heading, steering, cost, before).only(free), away[free]
+    start = at.x[before], at.y[before], at.heading[before]
+    poses = _Poses(*_after(*start, bend, length), steering, cost, before)
+    away = _away(ego, poses.x, poses.y, poses.heading, space.obstacles)
+    # A corner may pass somebody within an arc, and be clear of them again at its end.
+    halfway = _away(ego, *_after(*start, bend, 0.5 * length), space.obstacles)
+    free = np.flatnonzero((away >= 0.0) & (halfway >= 0.0))
+    poses, away = poses.only(free), away[free]
     rear, front, turned = _aside(ego, line, poses.x, poses.y, poses.heading)
     cost = poses.cost + length * (OFF_LANE * rear**2 + TURNED * turned**2)
     cost = cost + length * CROWD * np.maximum(1.0 - away / CROWDED, 0.0)
     inside = np.flatnonzero((rear <= space.rear) & (front <= space.front))
     return poses._replace(cost=cost).only(inside)
+
+
+def _after(
+    x: FloatArray, y: FloatArray, heading: FloatArray, bend: FloatArray, length: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x, y and heading after an arc of that curvature [1/m] and length [m]."""
+    chord = heading + 0.5 * length * bend
+    return x + length * np.cos(chord), y + length * np.sin(chord), heading + length * bend
 
 
 def _away(

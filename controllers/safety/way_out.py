@@ -29,6 +29,9 @@ lights, because they may wait for the lights and not for the ego [s]."""
 LAST_RESORT, BEYOND = 20.0, 1.5
 """After it has been kept from starting for this long altogether, a way may end on a crossing, and lead this
 much farther beside the lane, where SUMO has no place for an ego [s, m]."""
+BRUSHING, BRUSHED, WITHIN = 60.0, 0.05, 0.05
+"""After it has been kept from starting for this long altogether, the ego may inch past people who stand at
+its corners though its body reaches this far into their discs; nearer ones stand there [s, m, m]."""
 LET_GO = 1.0
 """The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
@@ -185,6 +188,11 @@ class WayOut:
         # near, or it would stay while people cross, and others would gather at its side.
         to_walkers = -np.inf if leant_on else TO_WALKERS
         wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
+        if self._held_for > BRUSHING:
+            # They may wait for the ego to leave, and stand where no way leads past them otherwise.
+            brushed = ~walks & (now < WITHIN)
+            wide, kept = (np.where(brushed, np.minimum(gap, -BRUSHED), gap) for gap in (wide, kept))
+            leant_on |= bool(brushed.any())
         under = now < -people.radius[:, 0]
         farthest = reach.to_stop if leant_on else reach.room
         self._look(perception, people, wide, kept, farthest, leant_on, under)

@@ -156,7 +156,10 @@ class SpeedPlanner:
         """
         s, times = self.settings, self.memory.times
         offset = lane.offset if lane is not None else 0.0
-        beside = bystanders.bystanders(perception, offset, self.may_enter, self._expectation.sets_off)
+        position, _ = self.memory.expected(perception.ego)
+        beside = bystanders.bystanders(
+            perception, offset, self.may_enter, self._expectation.sets_off, (position, times)
+        )
         right, left = bystanders.swing_out(perception.road, perception.ego.body, perception.pedestrians.along)
         band = self._band(perception, lane)
         conflicts = path_conflicts.find(

@@ -29,11 +29,14 @@ from tests.controllers.scenes import Walker, bend, ego, perception, straight_roa
 from tests.controllers.toy_runs import Ride, ride
 
 BODY = Body()
+TIMES = np.arange(0.0, 5.1, 0.2)
+EXPECTED = (8.0 * TIMES, TIMES)
+"""Where the rear axle is expected, and when."""
 
 
 def _beside(seen: Perception, enters: bool = False) -> Bystanders:
     nobody = np.full(len(seen.pedestrians), np.nan)
-    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters), nobody)
+    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters), nobody, EXPECTED)
     assert found is not None
     return found
 
@@ -56,7 +59,7 @@ def test_the_distance_is_that_of_the_flank(gap: float, side: float) -> None:
 def test_nobody_near_is_nobody() -> None:
     for walkers in ([], [Walker(20.0, -8.0)], [Walker(-20.0, -1.5)]):
         seen, nobody = perception(ego(), walkers=walkers), np.full(len(walkers), np.nan)
-        assert bystanders(seen, 0.0, np.zeros(len(walkers), bool), nobody) is None
+        assert bystanders(seen, 0.0, np.zeros(len(walkers), bool), nobody, EXPECTED) is None
 
 
 def test_the_speed_is_bounded_beside_somebody_near_and_nowhere_else() -> None:
@@ -116,7 +119,7 @@ def _walks_up(speed: float, begins: float, walker: Walker = WALKS_UP) -> Bystand
     """Return who is beside an ego that meets somebody on the way to a crossing that it has priority at."""
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=begins)
     seen = perception(ego(speed), straight_road(), [walker], crossings=[crossing])
-    return bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan))
+    return bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan), EXPECTED)
 
 
 @pytest.mark.parametrize("begins", [-1.5, -1.7])
@@ -169,7 +172,7 @@ def test_whoever_stopped_on_their_way_across_may_turn_back_as_fast_as_they_came(
     gap: float, pace: float
 ) -> None:
     seen, known = _seen_to_stop(gap, pace)
-    found = bystanders(seen, 0.0, known.enters, known.sets_off)
+    found = bystanders(seen, 0.0, known.enters, known.sets_off, EXPECTED)
     assert found is not None
     limit = found.speed_limit(np.zeros(0, dtype=np.int64))
     assert limit is not None
@@ -185,7 +188,7 @@ def test_who_stands_on_a_crossing_and_lets_the_ego_go_first_may_walk_on_beside_i
         seen = perception(ego(0.0, time=float(time)), walkers=[stands], crossings=[zebra(5.0)])
         known = expected(seen, watch, assume, None)
     assert known.lets_go.all()
-    found = bystanders(seen, 0.0, known.enters, known.sets_off)
+    found = bystanders(seen, 0.0, known.enters, known.sets_off, EXPECTED)
     assert found is not None
     limit = found.speed_limit(np.zeros(0, dtype=np.int64))
     assert limit is not None
@@ -236,7 +239,7 @@ def test_the_front_of_a_bus_swings_farther_out_than_that_of_a_car() -> None:
     outside = Walker(29.0, -(0.5 * bus.width + 0.25 + swing - 0.3))
     for body, near in ((bus, True), (BODY, False)):
         seen = perception(replace(ego(5.0), body=body), road, [outside])
-        found = bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan))
+        found = bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan), EXPECTED)
         assert (found is not None) == near
         if found is not None:
             assert found.least(1)[0] < 0.0
@@ -251,6 +254,24 @@ def test_somebody_who_walks_towards_the_ego_counts_where_they_meet() -> None:
     )
     assert stands.least(1) == pytest.approx([0.3], abs=0.02)
     assert comes.least(1)[0] < 0.0, "in the bend, where the front swings out"
+
+
+@pytest.mark.parametrize(
+    ("curved", "pace", "slowly"), [(True, 1.2, True), (True, 0.0, False), (False, 1.2, False)]
+)
+def test_who_walks_along_a_bend_may_go_straight_on(curved: bool, pace: float, slowly: bool) -> None:
+    """They come towards the ego on the inner side of its bend; straight on leads them into its way.
+
+    The ego is 2.5 s and 20 m away then, and the pedestrian 3 m farther: 6.4 m from the bend's centre.
+    """
+    inside = 0.5 * BODY.width + 0.25 + 0.75
+    road = bend(straight_road(), 10.0, 8.0, 12.5) if curved else straight_road()
+    comes = Walker(10.0 + 8.0 * math.pi / 2.0 + 1.0, inside, -pace)
+    found = _beside(perception(ego(8.0), road, [comes]))
+    limit = found.speed_limit(np.zeros(0, dtype=np.int64))
+    assert limit is not None
+    assert (limit[1].min() == BESIDE_WALKERS) == slowly
+    assert found.least(1) == pytest.approx([0.75], abs=0.05), "nobody stands where they may walk"
 
 
 def _passed(gap: float, lane_width: float, duration: float = 30.0) -> Ride:

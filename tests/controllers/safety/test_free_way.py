@@ -38,6 +38,13 @@ def _driven(
     return x[:, None], y[:, None], headings[:, None]
 
 
+def test_a_corner_does_not_pass_through_somebody_between_two_poses() -> None:
+    """They stand 2 cm before the right corner. After half a metre to the left it is clear of them again."""
+    at_the_corner = _people((BODY.front + 0.2, -0.5 * BODY.width - 0.1))
+    at_the_corner = at_the_corner._replace(kept=np.array([0.22]))
+    assert free_way.find(perception(ego(speed=0.0)), at_the_corner, np.inf) is None
+
+
 def _nearest(way: FloatArray, people: Obstacles) -> float:
     return _nearest_of(_driven(way), people)
 

@@ -9,9 +9,12 @@ import pytest
 
 from controllers import catalog
 from controllers.interface import Body, Crossing, Perception, Plan, Signal, SignalState
+from controllers.safety.free_way import DRIFT
 from controllers.safety.last_check import SHIELDED, WAY_OUT, LastCheck
 from controllers.safety.way_out import (
     A_CYCLE,
+    BRUSHED,
+    BRUSHING,
     CLOSE,
     INCHING,
     LAST_RESORT,
@@ -277,3 +280,16 @@ def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
     assert max(record.snapshots[i].egos[0].speed for i in ways_out) < SPEED + 0.3
     assert record.clearance() > 0.0
     assert record.arrival(20.0) < 40.0
+
+
+@pytest.mark.long
+def test_in_closed_loop_somebody_at_the_corner_is_brushed_after_a_minute_and_no_deeper() -> None:
+    """They stand 2 cm before the right corner, where the sharpest turn to the left still reaches them."""
+    at_the_corner = walk(BODY.front + 0.25, -0.5 * BODY.width - 0.09, 0.0, 0.0)
+    record = ride(ToyRoad(), [at_the_corner], speed=0.0, duration=100.0)
+    x, _, speed, _ = record.track
+    waited = np.array([snapshot.time for snapshot in record.snapshots]) < BRUSHING
+    assert x[waited].max() < x[0] + 0.02
+    assert speed[x < x[0] + 0.4].max() < INCHING + 0.005
+    assert -BRUSHED - DRIFT < record.clearance() < 0.0
+    assert record.arrival(BODY.front + 5.0) < 100.0
