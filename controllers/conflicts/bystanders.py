@@ -86,7 +86,7 @@ class Bystanders(NamedTuple):
         passed = ~np.isin(self.who, waited_for)
         nearest = self.clearance[:, passed].min(axis=1, initial=np.inf)
         at_crossing = self.clearance[:, passed & self.wait].min(axis=1, initial=np.inf)
-        walkers = self.clearance[:, passed & self.walk].min(axis=1, initial=np.inf)
+        walkers = self.clearance[:, passed & self.walk & ~self.guessed].min(axis=1, initial=np.inf)
         limits = (
             passing_speed(nearest),
             np.where(at_crossing < FREE, speed_to_stop(at_crossing), UNBOUNDED),

@@ -270,7 +270,7 @@ def test_who_walks_along_a_bend_may_go_straight_on(curved: bool, pace: float, sl
     found = _beside(perception(ego(8.0), road, [comes]))
     limit = found.speed_limit(np.zeros(0, dtype=np.int64))
     assert limit is not None
-    assert (limit[1].min() == BESIDE_WALKERS) == slowly
+    assert (limit[1].min() == SLOW) == slowly
     assert found.least(1) == pytest.approx([0.75], abs=0.05), "nobody stands where they may walk"
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from analysis.thresholds import Thresholds
 from controllers import catalog
 from controllers.interface import Body, Crossing, Perception, Plan, Signal, SignalState
 from controllers.safety.free_way import DRIFT
@@ -286,10 +287,10 @@ def test_in_closed_loop_it_gets_past_somebody_who_will_not_move() -> None:
 def test_in_closed_loop_somebody_at_the_corner_is_brushed_after_a_minute_and_no_deeper() -> None:
     """They stand 2 cm before the right corner, where the sharpest turn to the left still reaches them."""
     at_the_corner = walk(BODY.front + 0.25, -0.5 * BODY.width - 0.09, 0.0, 0.0)
-    record = ride(ToyRoad(), [at_the_corner], speed=0.0, duration=100.0)
+    record = ride(ToyRoad(), [at_the_corner], speed=0.0, duration=75.0)
     x, _, speed, _ = record.track
     waited = np.array([snapshot.time for snapshot in record.snapshots]) < BRUSHING
     assert x[waited].max() < x[0] + 0.02
-    assert speed[x < x[0] + 0.4].max() < INCHING + 0.005
+    assert speed[x < x[0] + 0.2].max() < Thresholds().standing_speed_mps
     assert -BRUSHED - DRIFT < record.clearance() < 0.0
-    assert record.arrival(BODY.front + 5.0) < 100.0
+    assert x[-1] > x[0] + 3.0
