@@ -183,16 +183,14 @@ class WayOut:
         if not self.taken and ego.time - self.held_since <= patience:
             return None
         now = _distances(perception, people)
-        leant_on = leans(now)
+        # Whoever waits for the ego to leave may stand where no way leads past them without touching.
+        brushed = ~walks & (now < WITHIN) & (self._held_for > BRUSHING)
+        leant_on = leans(now) or bool(brushed.any())
         # An ego that inches is no danger to those who walk past ahead of it. It waits only for those who come
         # near, or it would stay while people cross, and others would gather at its side.
         to_walkers = -np.inf if leant_on else TO_WALKERS
         wide, kept = (np.where(walks, to_walkers, np.minimum(now - NEARER, gap)) for gap in TO_PEOPLE)
-        if self._held_for > BRUSHING:
-            # They may wait for the ego to leave, and stand where no way leads past them otherwise.
-            brushed = ~walks & (now < WITHIN)
-            wide, kept = (np.where(brushed, np.minimum(gap, -BRUSHED), gap) for gap in (wide, kept))
-            leant_on |= bool(brushed.any())
+        wide, kept = (np.where(brushed, np.minimum(gap, -BRUSHED), gap) for gap in (wide, kept))
         under = now < -people.radius[:, 0]
         farthest = reach.to_stop if leant_on else reach.room
         self._look(perception, people, wide, kept, farthest, leant_on, under)
