@@ -1,10 +1,9 @@
 """The search for a way at walking pace round standing people and vehicles.
 
 The search starts at the rear axle and continues every way by arcs of equal length, one for each of several
-steering angles. It keeps the poses that touch nobody, nor half an arc earlier, and stay near the lane, and of
-those in a small cell the cheapest. After some metres, the cheapest way is the answer. The arcs are short, so
-that a car can turn between two people, and the distance from the lane's centre line costs, so that the ego
-comes back to it.
+steering angles. It keeps the arcs that touch nobody and end near the lane, and of those that end in a small
+cell the cheapest. After some metres, the cheapest way is the answer. The arcs are short, so that a car can
+turn between two people, and the distance from the lane's centre line costs, so that the ego comes back to it.
 """
 
 from __future__ import annotations
@@ -22,6 +21,9 @@ from controllers.interface import EgoState, Perception, RoadAhead
 
 ARC, REACH = 0.5, 12.0
 """Length of an arc, and of the way that is searched for [m]."""
+WITHIN_ARC = 0.25, 0.5, 0.75
+"""Shares of an arc at which the body is checked too. A front corner moves up to 0.8 m along an arc, past
+somebody and clear of them again; between these places, it comes nearer by less than ``DRIFT`` [-]."""
 SHORTEST, SHORTEST_OFF = 6.0, 2.0
 """Least length of a way, and of one that leads the car away from people who lean on it [m]."""
 ANGLES = 13
@@ -76,6 +78,8 @@ class _Poses(NamedTuple):
     cost: FloatArray
     before: NDArray[np.intp]
     """Index of the pose one arc before."""
+    away: FloatArray
+    """How much farther than required the body is from obstacles, at most ``CROWDED`` [m]."""
 
     def only(self, chosen: NDArray[np.intp]) -> _Poses:
         """Return the poses with the given indices."""
@@ -86,6 +90,7 @@ class _Poses(NamedTuple):
             self.steering[chosen],
             self.cost[chosen],
             self.before[chosen],
+            self.away[chosen],
         )
 
 
@@ -207,6 +212,7 @@ def _start(ego: EgoState) -> _Poses:
         zero + ego.steering,
         zero,
         np.array([-1]),
+        zero,
     )
 
 
@@ -218,15 +224,24 @@ def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) 
     bend = np.tan(steering) / ego.body.wheelbase
     cost = at.cost[before] + STEERED * np.abs(steering - at.steering[before])
     start = at.x[before], at.y[before], at.heading[before]
-    poses = _Poses(*_after(*start, bend, length), steering, cost, before)
-    away = _away(ego, poses.x, poses.y, poses.heading, space.obstacles)
-    # A corner may pass somebody within an arc, and be clear of them again at its end.
-    halfway = _away(ego, *_after(*start, bend, 0.5 * length), space.obstacles)
-    free = np.flatnonzero((away >= 0.0) & (halfway >= 0.0))
-    poses, away = poses.only(free), away[free]
+    x, y, heading = _after(*start, bend, length)
+    away = _away(ego, x, y, heading, space.obstacles)
+    free = np.flatnonzero(away >= 0.0)
+    for share in WITHIN_ARC:
+        # No part of the body moves as far as ``CROWDED`` in half an arc.
+        unsure = np.full(len(free), True)
+        if share <= 0.5:
+            unsure &= at.away[before[free]] < CROWDED
+        if share >= 0.5:
+            unsure &= away[free] < CROWDED
+        x_from, y_from, turned, bent = (values[free[unsure]] for values in (*start, bend))
+        between = _after(x_from, y_from, turned, bent, share * length)
+        unsure[unsure] = _away(ego, *between, space.obstacles) < 0.0
+        free = free[~unsure]
+    poses = _Poses(x, y, heading, steering, cost, before, away).only(free)
     rear, front, turned = _aside(ego, line, poses.x, poses.y, poses.heading)
     cost = poses.cost + length * (OFF_LANE * rear**2 + TURNED * turned**2)
-    cost = cost + length * CROWD * np.maximum(1.0 - away / CROWDED, 0.0)
+    cost = cost + length * CROWD * np.maximum(1.0 - poses.away / CROWDED, 0.0)
     inside = np.flatnonzero((rear <= space.rear) & (front <= space.front))
     return poses._replace(cost=cost).only(inside)
 
