@@ -9,6 +9,7 @@ ego passes, so it must be able to stop before they reach it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -125,7 +126,7 @@ def bystanders(
     offset: float,
     enters: NDArray[np.bool_],
     sets_off: FloatArray,
-    expected: tuple[FloatArray, FloatArray],
+    arrives: Callable[[FloatArray], FloatArray],
 ) -> Bystanders | None:
     """Return how near the body comes to the people beside its way into a lane; ``None`` without any.
 
@@ -141,8 +142,8 @@ def bystanders(
         and may turn back.
     sets_off
         See ``Expectation`` [m/s].
-    expected
-        Positions of the rear axle, ascending, and when the ego is expected there, shape (m,) each [m, s].
+    arrives
+        Returns when the rear axle is expected at places along the road, shape (k,) [s].
     """
     ego, people = perception.ego, perception.pedestrians
     counts = ~enters | (people.along < ego.body.front) | ~np.isnan(sets_off)
@@ -157,9 +158,10 @@ def bystanders(
     places, way = way_into_lane.poses(perception, offset, farthest)
     near, at = way_into_lane.people_beside(perception, way, aside)
     near, at = near[counts[near]], at[counts[near]]
-    there = np.broadcast_to(at[:, None], (len(near), len(places), 2))
-    guessed, straight = _going_straight_on(perception, turning, np.interp(places, *expected), way, aside)
-    who, there = np.concatenate((near, guessed)), np.concatenate((there, straight))
+    who, there = near, np.broadcast_to(at[:, None], (len(near), len(places), 2))
+    if len(turning):
+        guessed, straight = _going_straight_on(perception, turning, arrives(places), way, aside)
+        who, there = np.concatenate((near, guessed)), np.concatenate((there, straight))
     if not len(who):
         return None
     x, y, heading = way[:, :, None]

@@ -56,6 +56,11 @@ class PlanMemory:
             return ego.speed * self.times, np.full(len(self.times), ego.speed)
         return last_plan.moved(self.times, self.position, self.speed, age)
 
+    def arrives(self, ego: EgoState, places: FloatArray) -> FloatArray:
+        """Return when the last plan is at places ahead, shape (k,) [s]; its end for those beyond it."""
+        position, _ = self.expected(ego)
+        return np.asarray(np.interp(places, position, self.times))
+
     def commanded(self, ego: EgoState) -> tuple[float, float]:
         """Return the acceleration and steering angle commanded at this instant."""
         if self.command is None:

@@ -156,9 +156,12 @@ class SpeedPlanner:
         """
         s, times = self.settings, self.memory.times
         offset = lane.offset if lane is not None else 0.0
-        position, _ = self.memory.expected(perception.ego)
         beside = bystanders.bystanders(
-            perception, offset, self.may_enter, self._expectation.sets_off, (position, times)
+            perception,
+            offset,
+            self.may_enter,
+            self._expectation.sets_off,
+            lambda places: self.memory.arrives(perception.ego, places),
         )
         right, left = bystanders.swing_out(perception.road, perception.ego.body, perception.pedestrians.along)
         band = self._band(perception, lane)

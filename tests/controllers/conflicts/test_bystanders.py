@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from analysis.thresholds import Thresholds
+from controllers.arrays import FloatArray
 from controllers.conflicts.bystanders import (
     BESIDE_WALKERS,
     FREE,
@@ -29,14 +30,15 @@ from tests.controllers.scenes import Walker, bend, ego, perception, straight_roa
 from tests.controllers.toy_runs import Ride, ride
 
 BODY = Body()
-TIMES = np.arange(0.0, 5.1, 0.2)
-EXPECTED = (8.0 * TIMES, TIMES)
-"""Where the rear axle is expected, and when."""
+
+
+def _at_8_mps(places: FloatArray) -> FloatArray:
+    return places / 8.0
 
 
 def _beside(seen: Perception, enters: bool = False) -> Bystanders:
     nobody = np.full(len(seen.pedestrians), np.nan)
-    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters), nobody, EXPECTED)
+    found = bystanders(seen, 0.0, np.full(len(seen.pedestrians), enters), nobody, _at_8_mps)
     assert found is not None
     return found
 
@@ -59,7 +61,7 @@ def test_the_distance_is_that_of_the_flank(gap: float, side: float) -> None:
 def test_nobody_near_is_nobody() -> None:
     for walkers in ([], [Walker(20.0, -8.0)], [Walker(-20.0, -1.5)]):
         seen, nobody = perception(ego(), walkers=walkers), np.full(len(walkers), np.nan)
-        assert bystanders(seen, 0.0, np.zeros(len(walkers), bool), nobody, EXPECTED) is None
+        assert bystanders(seen, 0.0, np.zeros(len(walkers), bool), nobody, _at_8_mps) is None
 
 
 def test_the_speed_is_bounded_beside_somebody_near_and_nowhere_else() -> None:
@@ -119,7 +121,7 @@ def _walks_up(speed: float, begins: float, walker: Walker = WALKS_UP) -> Bystand
     """Return who is beside an ego that meets somebody on the way to a crossing that it has priority at."""
     crossing = replace(zebra(28.0, CrossingKind.UNMARKED), right=begins)
     seen = perception(ego(speed), straight_road(), [walker], crossings=[crossing])
-    return bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan), EXPECTED)
+    return bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan), _at_8_mps)
 
 
 @pytest.mark.parametrize("begins", [-1.5, -1.7])
@@ -172,7 +174,7 @@ def test_whoever_stopped_on_their_way_across_may_turn_back_as_fast_as_they_came(
     gap: float, pace: float
 ) -> None:
     seen, known = _seen_to_stop(gap, pace)
-    found = bystanders(seen, 0.0, known.enters, known.sets_off, EXPECTED)
+    found = bystanders(seen, 0.0, known.enters, known.sets_off, _at_8_mps)
     assert found is not None
     limit = found.speed_limit(np.zeros(0, dtype=np.int64))
     assert limit is not None
@@ -188,7 +190,7 @@ def test_who_stands_on_a_crossing_and_lets_the_ego_go_first_may_walk_on_beside_i
         seen = perception(ego(0.0, time=float(time)), walkers=[stands], crossings=[zebra(5.0)])
         known = expected(seen, watch, assume, None)
     assert known.lets_go.all()
-    found = bystanders(seen, 0.0, known.enters, known.sets_off, EXPECTED)
+    found = bystanders(seen, 0.0, known.enters, known.sets_off, _at_8_mps)
     assert found is not None
     limit = found.speed_limit(np.zeros(0, dtype=np.int64))
     assert limit is not None
@@ -239,7 +241,7 @@ def test_the_front_of_a_bus_swings_farther_out_than_that_of_a_car() -> None:
     outside = Walker(29.0, -(0.5 * bus.width + 0.25 + swing - 0.3))
     for body, near in ((bus, True), (BODY, False)):
         seen = perception(replace(ego(5.0), body=body), road, [outside])
-        found = bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan), EXPECTED)
+        found = bystanders(seen, 0.0, np.zeros(1, dtype=np.bool_), np.full(1, np.nan), _at_8_mps)
         assert (found is not None) == near
         if found is not None:
             assert found.least(1)[0] < 0.0

@@ -88,7 +88,7 @@ def test_a_way_does_not_lead_over_somebody_whose_centre_is_under_the_side_alread
 
 
 @pytest.mark.parametrize("beside", [0.0, 0.04, 0.08, 0.12])
-@pytest.mark.parametrize("ahead", [0.2, 0.25, 0.3])
+@pytest.mark.parametrize("ahead", [0.15, 0.2, 0.25, 0.3])
 def test_between_two_poses_a_corner_comes_no_nearer_than_a_driven_way_may(
     ahead: float, beside: float
 ) -> None:
