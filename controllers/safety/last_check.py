@@ -241,7 +241,8 @@ def _vehicles(perception: Perception, times: FloatArray, starts: bool) -> Iterat
     """Yield the vehicles that the body may not touch: those that stand, and some of those under way.
 
     In a tight bend the body leaves its lane, so that it comes near oncoming vehicles and those that pass on
-    the outer side, and it turns across the way of cyclists and others beside it in the lane.
+    the outer side, and it turns across the way of cyclists and others beside it in the lane. So does an ego
+    that starts at the side of its lane, as after a way out.
     """
     yield standing_vehicles(perception)
     if starts:
@@ -249,8 +250,10 @@ def _vehicles(perception: Perception, times: FloatArray, starts: bool) -> Iterat
     road = perception.road
     near = road.curvature[: int(BENDS_WITHIN / road.curvature_step)]
     tightest = near[np.abs(near).argmax()] if len(near) else 0.0
-    if abs(tightest) > TIGHT:
+    turns = abs(tightest) > TIGHT
+    if starts or turns:
         yield beside_in_lane(perception, times)
+    if turns:
         yield outside_the_bend(perception, times, -np.sign(tightest))
         if not starts:
             yield oncoming_vehicles(perception, times)

@@ -135,6 +135,18 @@ def test_an_ego_that_turns_lets_a_cyclist_beside_it_in_its_lane_ride_on(
 
 
 @pytest.mark.parametrize(
+    ("along", "speed", "status"), [(0.0, 4.0, SHIELDED), (-6.0, 6.0, SHIELDED), (-9.0, 1.0, "ok")]
+)
+def test_an_ego_that_starts_beside_the_middle_of_its_lane_lets_others_in_it_pass(
+    along: float, speed: float, status: str
+) -> None:
+    """After a way out, say; not one that comes too late."""
+    aside = ego(speed=0.0, across=-1.4, heading_error=0.3)
+    seen = perception(aside, straight_road(), cars=[Car(along, 0.9, along_speed=speed)])
+    assert LastCheck().checked(seen, keeps(2.0), NOBODY).status == status
+
+
+@pytest.mark.parametrize(
     ("across", "speed", "status"),
     [(3.2, 13.0, SHIELDED), (3.2, 3.0, "ok"), (5.2, 13.0, "ok"), (-3.2, 13.0, "ok")],
 )
