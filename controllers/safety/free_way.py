@@ -57,6 +57,16 @@ class Obstacles(NamedTuple):
     boxes: Boxes
     kept_to_boxes: FloatArray
     """Distance kept to each box, shape (v,) [m]."""
+    until: FloatArray
+    """Length of the way up to which each box counts, as vehicles that drive are then gone, shape (v,) [m]."""
+
+    def beyond(self, gone: float) -> Obstacles:
+        """Return those that still count after this length of the way [m]."""
+        left = self.until > gone
+        if left.all():
+            return self
+        boxes = Boxes(*(values[left] for values in self.boxes))
+        return self._replace(boxes=boxes, kept_to_boxes=self.kept_to_boxes[left], until=self.until[left])
 
 
 class _Line(NamedTuple):
@@ -125,7 +135,7 @@ def find(
     arcs = int(min(REACH, farthest) / ARC)
     tree = [_start(ego)]
     while len(tree) <= arcs:
-        onward = _cheapest_of_cells(_driven(space, tree[-1], angles))
+        onward = _cheapest_of_cells(_driven(space, tree[-1], angles, (len(tree) - 1) * ARC))
         if not len(onward.x):
             break
         tree.append(onward)
@@ -134,6 +144,7 @@ def find(
         if off is None or (len(tree) - 1) * ARC < SHORTEST_OFF:
             return None
         last = tree[-1]
+        off = off.beyond((len(tree) - 1) * ARC)
         ends = np.where(_away(ego, last.x, last.y, last.heading, off) >= 0.0, ends, np.inf)
         if not np.isfinite(ends).any():
             return None
@@ -156,11 +167,12 @@ def leads_on(
     way : steering angles of the way, shape (k,) [rad]
     done : length that has been driven already [m]
     """
-    at = _start(perception.ego)
+    at, gone = _start(perception.ego), 0.0
     space = _space(perception, obstacles, beyond + DRIFT)
     for number in range(int(done / ARC), len(way)):
         length = min(ARC, (number + 1) * ARC - done)
-        at = _driven(space, at, way[number : number + 1], length)
+        at = _driven(space, at, way[number : number + 1], gone, length)
+        gone += length
         if not len(at.x):
             return False
     return True
@@ -216,16 +228,16 @@ def _start(ego: EgoState) -> _Poses:
     )
 
 
-def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) -> _Poses:
-    """Return the free poses to which one more arc leads with each steering angle."""
-    ego, line = space.ego, space.line
+def _driven(space: _Space, at: _Poses, angles: FloatArray, gone: float, length: float = ARC) -> _Poses:
+    """Return the free poses to which one more arc leads with each steering angle, after a length gone [m]."""
+    ego, line, obstacles = space.ego, space.line, space.obstacles.beyond(gone)
     steering = np.tile(angles, len(at.x))
     before = np.repeat(np.arange(len(at.x)), len(angles))
     bend = np.tan(steering) / ego.body.wheelbase
     cost = at.cost[before] + STEERED * np.abs(steering - at.steering[before])
     start = at.x[before], at.y[before], at.heading[before]
     x, y, heading = _after(*start, bend, length)
-    away = _away(ego, x, y, heading, space.obstacles)
+    away = _away(ego, x, y, heading, obstacles)
     free = np.flatnonzero(away >= 0.0)
     for share in WITHIN_ARC:
         # No part of the body moves as far as ``CROWDED`` in half an arc.
@@ -236,7 +248,7 @@ def _driven(space: _Space, at: _Poses, angles: FloatArray, length: float = ARC) 
             unsure &= away[free] < CROWDED
         x_from, y_from, turned, bent = (values[free[unsure]] for values in (*start, bend))
         between = _after(x_from, y_from, turned, bent, share * length)
-        unsure[unsure] = _away(ego, *between, space.obstacles) < 0.0
+        unsure[unsure] = _away(ego, *between, obstacles) < 0.0
         free = free[~unsure]
     poses = _Poses(x, y, heading, steering, cost, before, away).only(free)
     rear, front, turned = _aside(ego, line, poses.x, poses.y, poses.heading)

@@ -21,7 +21,7 @@ from controllers.interface import Command, Perception, constant_command
 from controllers.safety import free_way
 from controllers.safety.free_way import Obstacles
 from controllers.safety.pedestrian_discs import Discs
-from controllers.safety.vehicle_boxes import driving_vehicles, standing_vehicles
+from controllers.safety.vehicle_boxes import DRIVEN_FOR, driving_vehicles, standing_vehicles
 
 PATIENCE, A_CYCLE = 4.0, 60.0
 """Time for which an ego that is kept from starting waits; and that for vehicles in a junction with traffic
@@ -85,6 +85,16 @@ class Reach(NamedTuple):
 
 FREE = Reach()
 """Nothing keeps the ego where it is."""
+
+
+class _Vehicles(NamedTuple):
+    """Vehicles that stand, and those that drive wherever they will be: v boxes."""
+
+    boxes: Boxes
+    kept: FloatArray
+    """Distance kept to each, shape (v,) [m]."""
+    until: FloatArray
+    """See :class:`controllers.safety.free_way.Obstacles` [m]."""
 
 
 class _Try(NamedTuple):
@@ -235,7 +245,7 @@ class WayOut:
         SUMO's people walk into a standing car, and where they wait for it to leave, it cannot get away from
         all of them. If there is no way otherwise, those under the body count no longer.
         """
-        vehicles, time = _vehicles(perception), perception.ego.time
+        vehicles, time = _vehicles(perception, leant_on), perception.ego.time
         way, done, self._way = self._way, self._driven, None
         if way is not None and done < (len(way) - 1) * free_way.ARC:
             drifted = _drifted(people, self._counted(kept, under), vehicles)
@@ -287,25 +297,37 @@ def _before_a_crossing(perception: Perception) -> bool:
     return not on_one and any(front <= one.entry < front + free_way.REACH for one in crossings)
 
 
-def _obstacles(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:
+def _obstacles(people: Discs, kept: FloatArray, vehicles: _Vehicles) -> Obstacles:
     """Return people at all places where they will be within the time looked ahead, and vehicles."""
     x, y, reach = (values[:, ::INSTANTS] for values in people)
     return Obstacles(x.ravel(), y.ravel(), (reach + kept[:, None]).ravel(), *vehicles)
 
 
-def _drifted(people: Discs, kept: FloatArray, vehicles: tuple[Boxes, FloatArray]) -> Obstacles:
+def _drifted(people: Discs, kept: FloatArray, vehicles: _Vehicles) -> Obstacles:
     """Return the same obstacles with the distances kept to them while a way is driven."""
-    boxes, kept_to_boxes = vehicles
+    to_vehicles = free_way.drifted(vehicles.kept, LEAST_TO_VEHICLES)
     still_kept = free_way.drifted(kept, LEAST_TO_PEOPLE)
-    return _obstacles(people, still_kept, (boxes, free_way.drifted(kept_to_boxes, LEAST_TO_VEHICLES)))
+    return _obstacles(people, still_kept, vehicles._replace(kept=to_vehicles))
 
 
-def _vehicles(perception: Perception) -> tuple[Boxes, FloatArray]:
-    """Return standing vehicles, driving ones wherever they will be, and the distances kept to them [m]."""
+def _vehicles(perception: Perception, inches: bool) -> _Vehicles:
+    """Return the vehicles, for an ego that inches or not.
+
+    Those that drive count for as far as the ego gets while they do. Straight on, some would hit the ego where
+    it stands; they will turn or brake. An ego that inches only comes no nearer to their ways.
+    """
     stand, drive = standing_vehicles(perception), driving_vehicles(perception)
-    now = box_clearances(*_here(perception), perception.ego.body, stand)[0, 0]
-    kept = np.append(np.minimum(now - NEARER, TO_VEHICLES), np.full(len(drive.x), TO_DRIVING))
-    return Boxes(*(np.concatenate(both) for both in zip(stand, drive, strict=True))), kept
+    to_standing, to_driving = (
+        box_clearances(*_here(perception), perception.ego.body, boxes)[0, 0] - NEARER
+        for boxes in (stand, drive)
+    )
+    kept = np.minimum(to_driving, TO_DRIVING) if inches else np.full(len(drive.x), TO_DRIVING)
+    soon = (INCHING if inches else SPEED) * DRIVEN_FOR[-1]
+    return _Vehicles(
+        Boxes(*(np.concatenate(both) for both in zip(stand, drive, strict=True))),
+        np.append(np.minimum(to_standing, TO_VEHICLES), kept),
+        np.append(np.full(len(stand.x), np.inf), np.full(len(drive.x), soon)),
+    )
 
 
 def _towards(

@@ -24,7 +24,7 @@ KEPT = 0.3
 
 def _people(*places: tuple[float, float]) -> Obstacles:
     x, y = np.array(places, dtype=float).reshape(-1, 2).T
-    return Obstacles(x, y, np.full(len(x), KEPT), NONE, np.zeros(0))
+    return Obstacles(x, y, np.full(len(x), KEPT), NONE, np.zeros(0), np.zeros(0))
 
 
 def _driven(
@@ -116,10 +116,25 @@ def test_no_corner_of_a_vehicle_is_overlooked() -> None:
     """Boxes set askew in the way: the distance to each is kept exactly, between the corners too."""
     for turned in np.linspace(0.0, np.pi, 9):
         one = Boxes(*(np.array([value]) for value in (7.0, 2.2, turned, 4.5, 1.8)))
-        vehicle = Obstacles(np.zeros(0), np.zeros(0), np.zeros(0), one, np.full(1, 0.1))
+        vehicle = _people()._replace(boxes=one, kept_to_boxes=np.full(1, 0.1), until=np.full(1, np.inf))
         way = free_way.find(perception(ego(speed=0.0)), vehicle, np.inf)
         assert way is not None
         assert box_clearances(*_driven(way), BODY, one).min() >= 0.1
+
+
+@pytest.mark.parametrize(("until", "found"), [(0.0, True), (2.0, True), (5.0, False), (np.inf, False)])
+def test_a_vehicle_counts_for_only_as_far_as_the_ego_gets_while_it_is_there(
+    until: float, found: bool
+) -> None:
+    """It is across both lanes, 4 m ahead of the front bumper."""
+    across = Boxes(*(np.array([value]) for value in (BODY.front + 4.0, 0.0, 0.5 * np.pi, 12.0, 1.8)))
+    vehicle = _people()._replace(boxes=across, kept_to_boxes=np.full(1, 0.1), until=np.full(1, until))
+    seen = perception(ego(speed=0.0), straight_road(2))
+    way = free_way.find(seen, vehicle, np.inf)
+    assert (way is not None) == found
+    straight = np.zeros(int(REACH / ARC))
+    assert free_way.leads_on(seen, vehicle, straight, 0.0) == found
+    assert free_way.leads_on(seen, vehicle, straight, REACH - 2.0)
 
 
 def test_it_goes_no_farther_than_it_may_and_not_at_all_for_a_few_steps() -> None:

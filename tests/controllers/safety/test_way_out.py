@@ -258,6 +258,24 @@ def test_whoever_is_leant_on_inches_off_while_others_cross_well_ahead(
     assert moves[-1] == inches
 
 
+@pytest.mark.parametrize(
+    ("along", "across", "speed", "inches"),
+    [
+        (BODY.front + 2.5, -7.0, 5.0, True),  # they have passed long before the ego gets there
+        (BODY.front + 1.2, -7.0, 5.0, False),
+        (-3.0, -7.0, 3.0, True),  # they would hit the ego where it stands
+    ],
+)
+def test_whoever_is_over_somebody_inches_off_while_vehicles_drive_past(
+    along: float, across: float, speed: float, inches: bool
+) -> None:
+    """At a busy junction, one of them was always to be somewhere on the way in the next 3 s."""
+    turn = 0.5 * np.pi if along > 0.0 else np.arctan2(-across, 4.0)
+    car = Car(along, across, speed * np.cos(turn), speed * np.sin(turn), heading_error=turn)
+    plans = _held([Walker(1.0, -0.3)], PATIENCE + 1.0, [car])
+    assert (plans[-1].status == WAY_OUT) == inches
+
+
 def test_on_the_way_people_beside_the_body_are_passed_slowly() -> None:
     """They step out as soon as the front is past, and are at the car within a quarter of a second."""
     beside = Walker(1.0, -0.5 * BODY.width - 0.25 - 0.5 * CLOSE, crossing=0, waiting=True)
