@@ -60,7 +60,7 @@ class Obstacles(NamedTuple):
     until: FloatArray
     """Length of the way up to which each box counts, as vehicles that drive are then gone, shape (v,) [m]."""
 
-    def beyond(self, gone: float) -> Obstacles:
+    def after(self, gone: float) -> Obstacles:
         """Return those that still count after this length of the way [m]."""
         left = self.until > gone
         if left.all():
@@ -144,7 +144,7 @@ def find(
         if off is None or (len(tree) - 1) * ARC < SHORTEST_OFF:
             return None
         last = tree[-1]
-        off = off.beyond((len(tree) - 1) * ARC)
+        off = off.after((len(tree) - 1) * ARC)
         ends = np.where(_away(ego, last.x, last.y, last.heading, off) >= 0.0, ends, np.inf)
         if not np.isfinite(ends).any():
             return None
@@ -230,7 +230,7 @@ def _start(ego: EgoState) -> _Poses:
 
 def _driven(space: _Space, at: _Poses, angles: FloatArray, gone: float, length: float = ARC) -> _Poses:
     """Return the free poses to which one more arc leads with each steering angle, after a length gone [m]."""
-    ego, line, obstacles = space.ego, space.line, space.obstacles.beyond(gone)
+    ego, line, obstacles = space.ego, space.line, space.obstacles.after(gone)
     steering = np.tile(angles, len(at.x))
     before = np.repeat(np.arange(len(at.x)), len(angles))
     bend = np.tan(steering) / ego.body.wheelbase

@@ -313,8 +313,9 @@ def _drifted(people: Discs, kept: FloatArray, vehicles: _Vehicles) -> Obstacles:
 def _vehicles(perception: Perception, inches: bool) -> _Vehicles:
     """Return the vehicles, for an ego that inches or not.
 
-    Those that drive count for as far as the ego gets while they do. Straight on, some would hit the ego where
-    it stands; they will turn or brake. An ego that inches only comes no nearer to their ways.
+    Those that drive count for as far as the ego gets while they do. If they drove straight on, some would hit
+    the ego where it stands, though they will turn or brake. An ego that inches therefore keeps no farther
+    from where they would be than it is.
     """
     stand, drive = standing_vehicles(perception), driving_vehicles(perception)
     to_standing, to_driving = (
