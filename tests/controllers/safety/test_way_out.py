@@ -42,11 +42,12 @@ def _held(
     stuck: bool = True,
     crossings: Sequence[Crossing] = (),
     signals: Sequence[Signal] = (),
+    step: float = 0.1,
 ) -> list[Plan]:
-    """Return what the last check makes of an ego that stands for so long."""
+    """Return what the last check makes, at every step [s], of an ego that stands for so long."""
     check, plans = LastCheck(), []
-    for tick in range(int(10.0 * seconds)):
-        state = ego(speed=0.0, time=0.1 * tick)
+    for tick in range(round(seconds / step)):
+        state = ego(speed=0.0, time=step * tick)
         seen: Perception = perception(state, straight_road(2), walkers, cars, crossings, signals)
         plans.append(check.checked(seen, keeps(2.0), np.zeros(len(walkers), bool), None, Reach(stuck, room)))
     return plans
@@ -69,8 +70,9 @@ def test_it_is_taken_after_a_while() -> None:
 
 @pytest.mark.long
 def test_the_lane_is_left_for_the_pavement_as_a_last_resort_only() -> None:
-    statuses = [plan.status for plan in _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0)]
-    assert WAY_OUT not in statuses[: int(10 * LAST_RESORT)]
+    held = _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0, step=0.5)
+    statuses = [plan.status for plan in held]
+    assert WAY_OUT not in statuses[: int(2 * LAST_RESORT)]
     assert statuses[-1] == WAY_OUT
 
 
@@ -81,9 +83,9 @@ def test_before_a_crossing_a_way_that_does_not_lead_over_it_is_the_last_resort(
 ) -> None:
     """On a crossing, or far from any, such a way is taken as soon as others."""
     across = Car(14.0, 0.0, heading_error=0.5 * np.pi, length=6.0)
-    held = _held([AT_THE_CORNER], LAST_RESORT + 2.0, [across], crossings=[zebra(begins)])
+    held = _held([AT_THE_CORNER], LAST_RESORT + 2.0, [across], crossings=[zebra(begins)], step=1.0)
     statuses = [plan.status for plan in held]
-    assert (WAY_OUT in statuses[: int(10 * LAST_RESORT)]) == soon
+    assert (WAY_OUT in statuses[: int(LAST_RESORT)]) == soon
     assert statuses[-1] == WAY_OUT
 
 
@@ -101,8 +103,8 @@ def test_in_a_junction_with_lights_vehicles_are_waited_for_longer(
 ) -> None:
     """They wait for the lights to change; who goes round them comes into the way of those who have green."""
     nose = Car(BODY.front + 6.5, 1.6, heading_error=-2.6)
-    statuses = [plan.status for plan in _held(walkers, patience + 1.0, [nose], signals=lights)]
-    assert WAY_OUT not in statuses[: int(10 * patience)]
+    statuses = [plan.status for plan in _held(walkers, patience + 1.0, [nose], signals=lights, step=0.5)]
+    assert WAY_OUT not in statuses[: int(2 * patience)]
     assert statuses[-1] == WAY_OUT
 
 
