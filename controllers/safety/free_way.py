@@ -139,13 +139,13 @@ def find(
         if not len(onward.x):
             break
         tree.append(onward)
-    ends = tree[-1].cost
-    if (len(tree) - 1) * ARC < shortest:
-        if off is None or (len(tree) - 1) * ARC < SHORTEST_OFF:
+    ends, reached = tree[-1].cost, (len(tree) - 1) * ARC
+    if reached < shortest:
+        if off is None or reached < SHORTEST_OFF:
             return None
         last = tree[-1]
-        off = off.after((len(tree) - 1) * ARC)
-        ends = np.where(_away(ego, last.x, last.y, last.heading, off) >= 0.0, ends, np.inf)
+        away = _away(ego, last.x, last.y, last.heading, off.after(reached))
+        ends = np.where(away >= 0.0, ends, np.inf)
         if not np.isfinite(ends).any():
             return None
     at, way = int(np.argmin(ends)), []
@@ -167,12 +167,11 @@ def leads_on(
     way : steering angles of the way, shape (k,) [rad]
     done : length that has been driven already [m]
     """
-    at, gone = _start(perception.ego), 0.0
+    at = _start(perception.ego)
     space = _space(perception, obstacles, beyond + DRIFT)
     for number in range(int(done / ARC), len(way)):
-        length = min(ARC, (number + 1) * ARC - done)
+        gone, length = max(number * ARC - done, 0.0), min(ARC, (number + 1) * ARC - done)
         at = _driven(space, at, way[number : number + 1], gone, length)
-        gone += length
         if not len(at.x):
             return False
     return True

@@ -318,15 +318,14 @@ def _vehicles(perception: Perception, inches: bool) -> _Vehicles:
     from where they would be than it is.
     """
     stand, drive = standing_vehicles(perception), driving_vehicles(perception)
-    to_standing, to_driving = (
-        box_clearances(*_here(perception), perception.ego.body, boxes)[0, 0] - NEARER
-        for boxes in (stand, drive)
-    )
-    kept = np.minimum(to_driving, TO_DRIVING) if inches else np.full(len(drive.x), TO_DRIVING)
+    to_standing = np.minimum(_to_boxes(perception, stand) - NEARER, TO_VEHICLES)
+    to_driving = np.full(len(drive.x), TO_DRIVING)
+    if inches:
+        to_driving = np.minimum(_to_boxes(perception, drive) - NEARER, to_driving)
     soon = (INCHING if inches else SPEED) * DRIVEN_FOR[-1]
     return _Vehicles(
         Boxes(*(np.concatenate(both) for both in zip(stand, drive, strict=True))),
-        np.append(np.minimum(to_standing, TO_VEHICLES), kept),
+        np.append(to_standing, to_driving),
         np.append(np.full(len(stand.x), np.inf), np.full(len(drive.x), soon)),
     )
 
@@ -358,6 +357,11 @@ def _distances(perception: Perception, people: Discs) -> FloatArray:
     """Return how far the body is from people now, shape (n,) [m]."""
     places = (values[:, :1] for values in people)
     return np.asarray(disc_clearances(*_here(perception), perception.ego.body, *places)[0, 0])
+
+
+def _to_boxes(perception: Perception, boxes: Boxes) -> FloatArray:
+    """Return how far the body is from vehicles now, shape (v,) [m]."""
+    return np.asarray(box_clearances(*_here(perception), perception.ego.body, boxes)[0, 0])
 
 
 def _here(perception: Perception) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -22,6 +22,7 @@ from controllers.safety.way_out import (
     LET_GO,
     PAST,
     PATIENCE,
+    SOUGHT_EVERY,
     SPEED,
     Reach,
 )
@@ -70,9 +71,9 @@ def test_it_is_taken_after_a_while() -> None:
 
 @pytest.mark.long
 def test_the_lane_is_left_for_the_pavement_as_a_last_resort_only() -> None:
-    held = _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0, step=0.5)
+    held = _held([Walker(*place) for place in ROW], LAST_RESORT + 2.0, step=SOUGHT_EVERY)
     statuses = [plan.status for plan in held]
-    assert WAY_OUT not in statuses[: int(2 * LAST_RESORT)]
+    assert WAY_OUT not in statuses[: int(LAST_RESORT / SOUGHT_EVERY)]
     assert statuses[-1] == WAY_OUT
 
 
@@ -83,9 +84,10 @@ def test_before_a_crossing_a_way_that_does_not_lead_over_it_is_the_last_resort(
 ) -> None:
     """On a crossing, or far from any, such a way is taken as soon as others."""
     across = Car(14.0, 0.0, heading_error=0.5 * np.pi, length=6.0)
-    held = _held([AT_THE_CORNER], LAST_RESORT + 2.0, [across], crossings=[zebra(begins)], step=1.0)
+    crossings = [zebra(begins)]
+    held = _held([AT_THE_CORNER], LAST_RESORT + 2.0, [across], crossings=crossings, step=SOUGHT_EVERY)
     statuses = [plan.status for plan in held]
-    assert (WAY_OUT in statuses[: int(LAST_RESORT)]) == soon
+    assert (WAY_OUT in statuses[: int(LAST_RESORT / SOUGHT_EVERY)]) == soon
     assert statuses[-1] == WAY_OUT
 
 
@@ -103,8 +105,9 @@ def test_in_a_junction_with_lights_vehicles_are_waited_for_longer(
 ) -> None:
     """They wait for the lights to change; who goes round them comes into the way of those who have green."""
     nose = Car(BODY.front + 6.5, 1.6, heading_error=-2.6)
-    statuses = [plan.status for plan in _held(walkers, patience + 1.0, [nose], signals=lights, step=0.5)]
-    assert WAY_OUT not in statuses[: int(2 * patience)]
+    held = _held(walkers, patience + 1.0, [nose], signals=lights, step=SOUGHT_EVERY)
+    statuses = [plan.status for plan in held]
+    assert WAY_OUT not in statuses[: int(patience / SOUGHT_EVERY)]
     assert statuses[-1] == WAY_OUT
 
 
