@@ -46,6 +46,7 @@ MOST_MB_PER_HOUR = 20.0
 
 def long_demand(folder: Path) -> Path:
     """Write a configuration whose demand lasts all the hours, and return it."""
+    folder.mkdir(parents=True, exist_ok=True)
     end = BEGIN_S + HOURS * HOUR_S
     trips = ElementTree.fromstring(gzip.decompress(packaged_file(f"{DEMO}/{VEHICLES}").read_bytes()))
     repeated = ElementTree.Element("routes")

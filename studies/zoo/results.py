@@ -58,8 +58,14 @@ class Run:
         return not self.reason
 
     def number(self, name: str) -> float:
-        """Return a column of ``runs.csv``, 0 if it is empty."""
-        return self.numbers.get(name, 0.0)
+        """Return a number from its row of ``runs.csv``.
+
+        Raises
+        ------
+        KeyError
+            If there is no such column, or it is empty: nobody should take that for a 0.
+        """
+        return self.numbers[name]
 
 
 def read(recipe: Recipe, plan: Plan, folder: Path) -> list[Run]:

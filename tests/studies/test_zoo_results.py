@@ -54,6 +54,13 @@ def test_every_run_that_was_asked_for_is_a_row(mixed: list[Run]) -> None:
     assert reasons["aeb", SECOND] == "cosim: one line"
 
 
+@pytest.mark.parametrize("cell", [None, ""], ids=["no column", "an empty cell"])
+def test_a_count_that_a_run_does_not_tell_is_not_taken_for_0(tmp_path: Path, cell: str | None) -> None:
+    zoo_runs.run(tmp_path, "vo_mpc", FIRST, **({} if cell is None else {"n_unheard_of": cell}))
+    with pytest.raises(KeyError, match="n_unheard_of"):
+        of(read(tmp_path), "vo_mpc").total("n_unheard_of")
+
+
 def test_runs_that_failed_are_counted_as_failed_and_nowhere_else(mixed: list[Run]) -> None:
     tally = of(mixed, "vo_mpc")
     assert (len(tally.runs), len(tally.valid), tally.entered, len(tally.contacts)) == (2, 1, 50, 1)

@@ -16,10 +16,14 @@ RUN = {
     "n_entered": 50,
     "n_contacts_standing": 0,
     "n_vehicle_overlaps_ego_closed": 0,
+    "n_close_passes": 0,
     "n_interventions": 0,
+    "n_interventions_tight_bend": 0,
+    "n_interventions_off_lane": 0,
     "n_stopped_on_crossing": 0,
     "n_stopped_on_crossing_foreseeable": 0,
     "deadlock": 0,
+    "n_egos_given_up": 0,
     "ego_time_loss_s": 40.0,
 }
 ENCOUNTER = {
