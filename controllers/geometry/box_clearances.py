@@ -94,6 +94,13 @@ def _beyond(corners: FloatArray, half: FloatArray) -> tuple[FloatArray, NDArray[
     The box has its middle at the origin and its sides along the axes; ``half`` are half its sides, (..., 2).
     """
     outside = np.maximum(np.abs(corners) - half[..., None, :], 0.0)
-    nearest = np.hypot(outside[..., 0], outside[..., 1]).min(axis=-1)
-    parted = (corners.min(axis=-2) > half) | (corners.max(axis=-2) < -half)
-    return nearest, parted.any(axis=-1)
+    nearest = _of_four(np.minimum, np.hypot(outside[..., 0], outside[..., 1]), axis=-1)
+    low, high = _of_four(np.minimum, corners, axis=-2), _of_four(np.maximum, corners, axis=-2)
+    parted = (low > half) | (high < -half)
+    return nearest, parted[..., 0] | parted[..., 1]
+
+
+def _of_four(chosen: np.ufunc, values: FloatArray, axis: int) -> FloatArray:
+    """Return the same as ``chosen.reduce`` along an axis of length 4, several times as fast."""
+    first, second, third, fourth = np.moveaxis(values, axis, 0)
+    return np.asarray(chosen(chosen(first, second), chosen(third, fourth)))

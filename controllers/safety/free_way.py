@@ -17,7 +17,7 @@ from controllers.arrays import FloatArray
 from controllers.geometry.box_clearances import Boxes, box_clearances
 from controllers.geometry.path_clearance import disc_clearances
 from controllers.geometry.plane import to_plane
-from controllers.interface import EgoState, Perception, RoadAhead
+from controllers.interface import Body, EgoState, Perception, RoadAhead
 
 ARC, REACH = 0.5, 12.0
 """Length of an arc, and of the way that is searched for [m]."""
@@ -272,10 +272,25 @@ def _away(
     where = x[None], y[None], heading[None]
     places = (values[:, None] for values in (obstacles.x, obstacles.y, obstacles.kept))
     away = disc_clearances(*where, ego.body, *places)[0].min(axis=1, initial=CROWDED)
-    if not len(obstacles.kept_to_boxes):
-        return np.asarray(away)
-    to_boxes = box_clearances(*where, ego.body, obstacles.boxes)[0] - obstacles.kept_to_boxes
-    return np.asarray(np.minimum(away, to_boxes.min(axis=1)))
+    close = _close(ego.body, x, y, heading, obstacles)
+    poses, boxes = close.any(axis=1), close.any(axis=0)
+    if poses.any():
+        where = x[None, poses], y[None, poses], heading[None, poses]
+        them = Boxes(*(values[boxes] for values in obstacles.boxes))
+        to_boxes = box_clearances(*where, ego.body, them)[0] - obstacles.kept_to_boxes[boxes]
+        away[poses] = np.minimum(away[poses], to_boxes.min(axis=1))
+    return np.asarray(away)
+
+
+def _close(
+    body: Body, x: FloatArray, y: FloatArray, heading: FloatArray, obstacles: Obstacles
+) -> NDArray[np.bool_]:
+    """Return to which boxes the body may be so near that it matters, shape (m, v): most are far away."""
+    boxes, middle = obstacles.boxes, body.front - 0.5 * body.length
+    away_x = boxes.x - (x + middle * np.cos(heading))[:, None]
+    away_y = boxes.y - (y + middle * np.sin(heading))[:, None]
+    reach = 0.5 * (np.hypot(body.length, body.width) + np.hypot(boxes.length, boxes.width))
+    return np.asarray(np.hypot(away_x, away_y) < reach + obstacles.kept_to_boxes + CROWDED)
 
 
 def _cheapest_of_cells(poses: _Poses) -> _Poses:

@@ -122,6 +122,26 @@ def test_no_corner_of_a_vehicle_is_overlooked() -> None:
         assert box_clearances(*_driven(way), BODY, one).min() >= 0.1
 
 
+def test_leaving_out_what_is_too_far_away_changes_no_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Vehicles of many sizes stand at random ahead of the ego."""
+    random = np.random.default_rng(7)
+    seen, scenes = perception(ego(speed=0.0)), []
+    for _ in range(12):
+        length, width = random.uniform(2.0, 16.0, 3), random.uniform(1.0, 3.0, 3)
+        x, y = random.uniform(4.0, 20.0, 3), random.choice([-1.0, 1.0], 3) * random.uniform(1.5, 5.0, 3)
+        boxes = Boxes(x, y, random.uniform(-0.6, 0.6, 3), length, width)
+        scenes.append(
+            _people()._replace(boxes=boxes, kept_to_boxes=np.full(3, TO_VEHICLES), until=np.full(3, np.inf))
+        )
+    ways = [free_way.find(seen, scene, 8.0) for scene in scenes]
+    monkeypatch.setattr(free_way, "_close", lambda _, x, *__: np.ones((len(x), 3), bool))
+    again = [free_way.find(seen, scene, 8.0) for scene in scenes]
+    assert [None if way is None else way.tolist() for way in ways] == [
+        None if way is None else way.tolist() for way in again
+    ]
+    assert sum(way is not None and np.abs(way).max() > 0.1 for way in ways) >= 3
+
+
 @pytest.mark.parametrize(("until", "found"), [(0.0, True), (2.0, True), (5.0, False), (np.inf, False)])
 def test_a_vehicle_counts_for_only_as_far_as_the_ego_gets_while_it_is_there(
     until: float, found: bool
