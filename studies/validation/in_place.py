@@ -237,9 +237,9 @@ def _page(
     why = "; ".join(f"{count}: {reason}" for reason, count in sorted(reasons.items())) or "none"
     return (
         f"{which} that moved and came within {NEAR_M:g} m of a pedestrian or bicycle, between centres, "
-        f"replaced by an ego. Left out: {why}. Of two numbers with a plus, the first counts those who could "
-        f"react: until then the ego was within {OFF_M:g} m of where the real car had been; the others met "
-        "somebody else than the real people had, and say little.\n\n"
+        f"replaced by an ego. Left out: {why}. Of *a + b*, *a* counts those who "
+        f"could react, because the ego was within {OFF_M:g} m of where the real car had been until their "
+        "encounter ended; *b* counts the others, who met the ego in another place and so say little.\n\n"
         f"{table_of(rows)}\n\nSignals, inferred by when vehicles passed the stop line and stood before it; "
         f"a movement with less than {100 * LEAST_AGREEMENT:g} % "
         f"agreement (the mean of the two shares) or fewer than {LEAST_PASSAGES} passages has none:\n\n"
