@@ -8,7 +8,7 @@ vehicles, whom a recording does not hold.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from analysis.arrays import BoolArray
 from analysis.encounters.candidates import Meeting, met, waited
 from analysis.encounters.conflict_area import ConflictArea, conflict_areas
 from analysis.encounters.crossings import Traversal
+from analysis.geometry import clearance, to_frame
 from analysis.recording.fine_grid import Grid
 from analysis.recording.reading import RecordedRun
 from analysis.recording.tracks import Track
@@ -110,7 +111,14 @@ def _areas_near(
 ) -> list[ConflictArea]:
     """Return the conflict areas on the ground where the two came near each other."""
     own, other = _around(vehicle, meeting.vehicle), _around(person, meeting.person)
-    areas = conflict_areas(vehicle.between(*own), person.between(*other), grid, within_s)
+    return _areas_on(vehicle, person, own, other, grid, within_s)
+
+
+def _areas_on(
+    ego: Track, person: Track, own: tuple[int, int], other: tuple[int, int], grid: Grid, within_s: float
+) -> list[ConflictArea]:
+    """Return the conflict areas of parts of two tracks, between two samples of each."""
+    areas = conflict_areas(ego.between(*own), person.between(*other), grid, within_s)
     return [replace(area, ego=area.ego.later(own[0]), person=area.person.later(other[0])) for area in areas]
 
 
@@ -151,13 +159,58 @@ def _of_pair(
         if not any(_same(encounter, one) for one in accepted):
             accepted.append(encounter)
     near = np.hypot(ego.x[own] - person.x[other], ego.y[own] - person.y[other]) <= reach
+    near &= ~apart[ego.level[own], person.level[other]]
     for begin, end in stretches(near):
         if any(one.first <= first + end and first + begin <= one.last for one in accepted):
             continue
         encounter = _make(ego, person, first + begin, first + end, None, around)
         if encounter.crossing_id:
             accepted.append(encounter)
+    accepted.extend(_of_contacts(ego, person, first, near, accepted, around))
     return accepted
+
+
+def _of_contacts(
+    ego: Track, person: Track, first: int, near: BoolArray, known: Sequence[Encounter], around: Surroundings
+) -> Iterator[Encounter]:
+    """Yield encounters for the contacts that no known encounter holds, so that none is missed.
+
+    These are rare: the conflict area is longer than the range, as the pedestrian walks along the lane, or
+    their second area of the same encounter is far from the first.
+
+    Parameters
+    ----------
+    ego, person : Track
+    first : int
+        Fine index of the first sample of ``near``.
+    near : array
+        Whether the two are near each other, shape (n,).
+    known : Sequence
+        Encounters of the two.
+    around : Surroundings
+    """
+    left = near.copy()
+    for one in known:
+        left[max(one.first - first, 0) : one.last - first + 1] = False
+    touch = left & _may_touch(ego, person, first, len(left))
+    for begin, end in stretches(left):
+        if not touch[begin : end + 1].any():
+            continue
+        stretch = first + begin, first + end
+        own = stretch[0] - ego.first, stretch[1] - ego.first
+        other = stretch[0] - person.first, stretch[1] - person.first
+        areas = _areas_on(ego, person, own, other, around.grid, around.thresholds.visit_pairing_s)
+        area = min(areas, key=lambda one: max(one.time_between, 0.0), default=None)
+        if area is not None:
+            yield _make(ego, person, *stretch, area, around)
+
+
+def _may_touch(ego: Track, person: Track, first: int, count: int) -> BoolArray:
+    """Return whether the two touch at each of the samples, or may do so until the next one."""
+    own, other = _slice(ego, first, first + count - 1), _slice(person, first, first + count - 1)
+    x, y = to_frame(person.x[other] - ego.x[own], person.y[other] - ego.y[own], ego.heading[own])
+    apart = clearance(x, y, 0.5 * ego.length, 0.5 * ego.width, 0.5 * person.width)
+    return np.asarray(apart <= ego.largest_shift + person.largest_step)
 
 
 def _same(one: Encounter, other: Encounter) -> bool:
