@@ -18,6 +18,20 @@ def arc_lengths(line: FloatArray) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
 
+def distance_from(line: FloatArray, x: float, y: float) -> float:
+    """Return the distance of a place from the nearest point of a line [m].
+
+    Examples
+    --------
+    >>> distance_from(np.array([[0.0, 0.0], [10.0, 0.0]]), 4.0, 3.0)
+    3.0
+    """
+    place, way = np.array([x, y]), np.diff(line, axis=0)
+    along = ((place - line[:-1]) * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), 1e-12)
+    nearest = line[:-1] + np.clip(along, 0.0, 1.0)[:, None] * way
+    return float(np.hypot(*(place - nearest).T).min())
+
+
 def crossing_point(
     polyline: FloatArray, line: FloatArray, from_station: float = 0.0
 ) -> tuple[float, FloatArray, FloatArray] | None:

@@ -15,10 +15,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from operator import attrgetter
 
-import numpy as np
-
 from analysis.encounters.case import Case, Values
 from analysis.encounters.whole_run import WholeRun
+from analysis.polylines import distance_from
 from analysis.recording.tracks import Track
 from analysis.stretches import stretches
 from analysis.tables import column
@@ -83,8 +82,7 @@ def _stands(case: Case, track: Track) -> Iterator[Stand]:
             continue
         x, y = track.x[first * case.grid.factor], track.y[first * case.grid.factor]
         near = {
-            area.name: (np.hypot(area.shape[:, 0] - x, area.shape[:, 1] - y).min(), area.crossing_kind)
-            for area in case.run.crossings()
+            area.name: (distance_from(area.shape, x, y), area.crossing_kind) for area in case.run.crossings()
         }
         near = {name: one for name, one in near.items() if one[0] < limits.deadlock_signal_range_m}
         if any(kind == "signal" for _, kind in near.values()) and lasted <= limits.deadlock_signal_s:

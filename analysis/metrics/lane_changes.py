@@ -33,7 +33,7 @@ def collect_rides(case: Case) -> Values:
         starts = np.concatenate([[0], np.flatnonzero(np.diff(number[rows])) + 1])
         ends = np.append(time[rows[starts[1:]]], time[rows[-1]])
         stays = ends - time[rows[starts]] >= hold - 1e-9
-        stays[-1] = True
+        stays[[0, -1]] = True  # it need not stay in the lane that it comes from
         lanes = number[rows[starts]][stays]
         counts.append(int((np.diff(lanes) != 0.0).sum()))
     return {"counts": counts}

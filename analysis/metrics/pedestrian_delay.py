@@ -45,16 +45,25 @@ def compute(case: Case) -> Values:
     return {"ped_delay_s": delay}
 
 
+def collect_encounters(case: Case) -> Values:
+    """Return who walked over which crossing in each encounter, since when, and the delay."""
+    return {
+        "walks": [
+            (one.person.name, one.crossing_id, float(case.grid.time[one.person.first + stay[0]]), delay)
+            for one, delay in zip(case.encounters, compute(case)["ped_delay_s"].tolist(), strict=True)
+            if delay == delay and (stay := crossing_stay(case, one)) is not None
+        ]
+    }
+
+
 def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return mean and 95th percentile over persons and crossings, and the level of service."""
-    values = np.asarray(columns["ped_delay_s"])
-    once: dict[tuple[str, str], float] = {}
-    for one, value in zip(whole.encounters, values.tolist(), strict=True):
-        if value == value:
-            once[(one.person_id, one.crossing_id)] = value
-    if not once:
+    last: dict[tuple[str, str], tuple[float, float]] = {}
+    for person, crossing, began, delay in columns["walks"]:
+        last[person, crossing] = max(last.get((person, crossing), (-np.inf, 0.0)), (began, delay))
+    if not last:
         return {"n_ped_delay_defined": 0}
-    known = np.array(list(once.values()))
+    known = np.array([last[key][1] for key in sorted(last)])
     mean = float(known.mean())
     return {
         "n_ped_delay_defined": len(known),

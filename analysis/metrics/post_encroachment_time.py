@@ -14,7 +14,10 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.conflict_area import ConflictArea
+from analysis.encounters.finding import Encounter
 from analysis.encounters.whole_run import WholeRun
+from analysis.recording.fine_grid import Grid
 from analysis.tables import column
 from analysis.thresholds import PET_LIMITS_S, in_name
 
@@ -57,9 +60,19 @@ def compute(case: Case) -> Values:
         elif np.isfinite(pet[i]):
             status.append("ok")
         else:
-            interleaved = one.area.time_between < 0.0 and np.isfinite(one.area.time_between)
-            status.append("interleaved" if interleaved else "censored")
+            status.append("interleaved" if _both_inside(one, one.area, case.grid) else "censored")
     return {"pet_area_s": pet, "pet_status": status}
+
+
+def _both_inside(one: Encounter, area: ConflictArea, grid: Grid) -> bool:
+    """Return whether the second was seen to enter before the first had left, or the recording of it ended."""
+    if np.isnan(area.ego.leave) and np.isnan(area.person.leave):
+        return False
+    ends = [
+        float(grid.time[track.first + visit.last]) if np.isnan(visit.leave) else visit.leave
+        for track, visit in ((one.ego, area.ego), (one.person, area.person))
+    ]
+    return max(area.ego.enter, area.person.enter) < min(ends)
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.encounters.case import Case, Values
+from analysis.encounters.crossing_walks import after_earlier_walk
 from analysis.encounters.finding import Encounter
 from analysis.encounters.moments import crossing_stay, phase_samples, ride_of
 from analysis.encounters.whole_run import WholeRun
@@ -48,6 +49,8 @@ def _yielded(case: Case, one: Encounter) -> float:
     standing = one.person.speed < case.thresholds.pedestrian_standing_speed_mps
     waits = phase_samples(case, one, "waiting") & standing
     waits[: max(one.first - one.person.first, 0)] = False
+    end = one.last - one.person.first if stay is None else stay[0]
+    waits[: after_earlier_walk(phase_samples(case, one, "crossing"), end)] = False
     present = np.flatnonzero(waits if stay is None else waits[: stay[0]])
     if len(present):
         arrival = int(present[0])

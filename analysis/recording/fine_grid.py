@@ -74,8 +74,10 @@ def unbroken(
     """
     step = np.searchsorted(run.times, np.round(time, 6))
     driven = 1.5 * np.maximum(speed[1:], speed[:-1]) * np.diff(time)
-    missed = np.diff(step) - 1 - (0 if left_out is None else left_out[1:])
-    broken = (missed != 0) | (np.hypot(np.diff(x), np.diff(y)) > driven + _JUMP_M)
+    skipped = np.zeros(max(len(time) - 1, 0), np.int64) if left_out is None else left_out[1:]
+    # While there is no ego, nothing is recorded at all: such instants are missing from the run's own, too.
+    missed = (np.diff(step) != 1 + skipped) | (np.diff(time) > (1.5 + skipped) * run.step_s)
+    broken = missed | (np.hypot(np.diff(x), np.diff(y)) > driven + _JUMP_M)
     if heading is not None:
         broken |= turned(heading[:-1], heading[1:]) > driven / _TIGHTEST_M + _JUMP_RAD
     ends = [0, *(np.flatnonzero(broken) + 1).tolist(), len(time)]

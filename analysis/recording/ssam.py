@@ -132,6 +132,8 @@ def _records(
     yield _FORMAT.pack(0, b"L", _VERSION)
     x = np.concatenate([np.concatenate([table.front_x, table.rear_x]) for table in tables])
     y = np.concatenate([np.concatenate([table.front_y, table.rear_y]) for table in tables])
+    if not len(x):  # nobody was recorded
+        x = y = np.zeros(1)
     low = [int(np.floor(values.min() - _MARGIN_M)) for values in (x, y)]
     high = [int(np.ceil(values.max() + _MARGIN_M)) for values in (x, y)]
     yield _DIMENSIONS.pack(1, _METRIC, 1.0, *low, *high)

@@ -130,9 +130,19 @@ class Traffic:
             egos=_as_egos(table, vehicles[other[names.codes[vehicles]]]),
             neighbours=declared_columns(TRAFFIC, len(pedestrians), table.picked(pedestrians)),
             sensing=None,
+            bystanders=self._egos_during(table),
             largest=self._index.largest,
             places=self._index.places,
         )
+
+    def _egos_during(self, table: Columns) -> Columns:
+        """Return the egos at the instants of some rows: they are not judged here, but may hide somebody."""
+        egos, times = self._run.egos, table.numbers["time_s"]
+        time = np.round(egos.numbers["time_s"], 6)
+        there = np.isin(time, np.round(self._index.times, 6))
+        if len(times):
+            there &= (time >= times.min() - 1e-6) & (time <= times.max() + 1e-6)
+        return egos.picked(np.flatnonzero(there))
 
 
 def _as_egos(table: Columns, rows: IntArray) -> Columns:

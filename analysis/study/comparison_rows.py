@@ -127,7 +127,7 @@ def _compared(measure: Measure, pairs: Pairs) -> dict[str, Any]:
         if (one := parts(measure, base)) is not None and (other := parts(measure, alt)) is not None
     ]
     result = _tested(measure, found, several=bool(pairs.base) and len(pairs.base[0]) > 1)
-    interval, base_mean = result.interval, result.base_mean
+    interval, base_mean, difference = result.interval, result.base_mean, result.difference
     return {
         "n_pairs": result.pairs,
         "n_unpaired": pairs.unpaired,
@@ -135,8 +135,8 @@ def _compared(measure: Measure, pairs: Pairs) -> dict[str, Any]:
         "n_undefined": len(pairs.base) - result.pairs,
         "base_mean": base_mean,
         "alt_mean": result.alt_mean,
-        "diff_mean": result.difference,
-        "diff_pct": 100.0 * result.difference / base_mean if result.difference and base_mean else None,
+        "diff_mean": difference,
+        "diff_pct": None if difference is None or not base_mean else 100.0 * difference / abs(base_mean),
         "sd_diff": result.deviation,
         "n_required_d10pct": _seeds_needed(base_mean, result.deviation),
         "ci95_lo": None if interval is None else interval.low,

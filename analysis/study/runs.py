@@ -41,7 +41,7 @@ class StudyRun:
     condition_id: str
     """Identifies scenario and setting."""
     parameters: Mapping[str, str]
-    """Parameters of the controller."""
+    """Parameters of the controller, and ``file``, the beginning of the hash of its own file."""
     versions: str
     thresholds: str
     """Thresholds of the analysis; empty if they are not known."""
@@ -164,13 +164,20 @@ def _read(folder: Path) -> StudyRun:
         invalid_reason=str(meta.get("invalid_reason") or ""),
         setting=setting,
         condition_id=_digest([str(meta["scenario_id"]), setting]),
-        parameters=_texts((meta.get("parameters") or {}).get("controller") or {}),
+        parameters=_controller(meta),
         versions=json.dumps(meta.get("versions") or meta.get("tool_version"), sort_keys=True),
         thresholds=_thresholds(folder / "config.json"),
         cells=cells,
         numbers=numbers,
         samples=samples,
     )
+
+
+def _controller(meta: Mapping[str, Any]) -> dict[str, str]:
+    parameters = dict((meta.get("parameters") or {}).get("controller") or {})
+    if files := meta.get("controller_files"):  # two versions of one file are two controllers
+        parameters["file"] = "+".join(str(digest)[:8] for digest in sorted(files.values()))
+    return _texts(parameters)
 
 
 def _setting(meta: Mapping[str, Any]) -> dict[str, str]:

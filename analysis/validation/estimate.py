@@ -56,7 +56,9 @@ def mean(name: str, unit: str, values: FloatArray) -> Estimate:
     values = values[np.isfinite(values)]
     if len(values) < LEAST:
         return undefined(name, unit, len(values), f"{len(values)} road users")
-    low, high = stats.t.interval(LEVEL, len(values) - 1, np.mean(values), stats.sem(values))
+    low, high = values.min(), values.max()
+    if low < high:  # of equal values, the interval has no width
+        low, high = stats.t.interval(LEVEL, len(values) - 1, np.mean(values), stats.sem(values))
     return Estimate(
         name, unit, float(values.mean()), float(low), float(high), len(values), "mean, Student's t"
     )

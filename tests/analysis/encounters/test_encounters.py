@@ -322,6 +322,73 @@ def test_an_earlier_walk_over_the_crossing_is_no_delay_of_the_next_one(tmp_path:
     assert float(used["ped_delay_sum_s"]) == pytest.approx(10.0, abs=0.3)
 
 
+def test_an_arrival_for_an_earlier_walk_is_no_chance_to_yield(tmp_path: Path) -> None:
+    """They cross before the ego, turn, and step out again when it can no longer stop."""
+
+    def back_and_forth(t: float) -> tuple[float, float]:
+        return 32.5, min(-6.0 + 2.0 * max(t - 3.0, 0.0), 6.0) if t < 11.2 else max(
+            6.0 - 2.0 * (t - 11.2), -8.0
+        )
+
+    def phase(t: float) -> str:
+        on_it = abs(back_and_forth(t)[1]) < 5.0
+        return "crossing" if on_it else "waiting" if t < 4.0 or 10.9 < t < 12.0 else "walking"
+
+    ego = Ego(line(-20, 0, 4, 0))
+    for start in (0.0, 9.5):
+        person = Person(back_and_forth, phase=phase, start=start)
+        report = analyse(tmp_path / f"{start:g}", ego, person, duration=20.0)
+        assert [row["yielded"] for row in report.encounters] == [None]
+        assert report.run["yieldable"] == 0
+
+
+def test_the_delay_of_a_pedestrian_is_that_of_the_last_walk_whatever_encounter_begins_last(
+    tmp_path: Path,
+) -> None:
+    """The ego that stands there all the time meets them on both walks, the other one on the first."""
+
+    def twice(t: float) -> tuple[float, float]:
+        there = -8.0 + 1.6 * min(max(t - 4.0, 0.0), 10.0)
+        return 32.5, there if t < 30.0 else max(-8.0, 8.0 - 0.8 * (t - 30.0))
+
+    def phase(t: float) -> str:
+        return "crossing" if abs(twice(t)[1]) < 5.0 else "walking" if t > 45.0 else "waiting"
+
+    egos = [Ego(line(0, 0, 0, 0), name="stands"), Ego(line(-90, 0, 10, 0), name="passes")]
+    report = analyse_run(write_run(tmp_path, egos, [Person(twice, phase=phase)], duration=60.0))
+    both, first = report.encounters
+    assert (both["ego_id"], first["ego_id"]) == ("stands", "passes")
+    assert both["ped_delay_s"] > first["ped_delay_s"] + 10.0
+    assert report.run["ped_delay_mean_s"] == pytest.approx(both["ped_delay_s"])
+
+
+@pytest.mark.parametrize(("ego_ends", "ped_ends"), [(3.2, 1e9), (1e9, 4.0)])
+def test_who_were_never_in_the_area_together_are_censored_and_not_interleaved(
+    tmp_path: Path, ego_ends: float, ped_ends: float
+) -> None:
+    """The recording of the first ends inside it, long before the second enters."""
+    ego = Ego(line(0, 0, 10, 0) if ego_ends < 10.0 else line(-40, 0, 10, 0), end=ego_ends)
+    person = Person(line(32.5, -8.0 if ego_ends < 10.0 else -5.0, 0, 1.25), end=ped_ends)
+    row = only(analyse(tmp_path, ego, person, duration=12.0))
+    assert (row["pet_area_s"], row["pet_status"]) == (None, "censored")
+
+
+def test_while_nothing_was_recorded_nobody_moved_through_the_area(tmp_path: Path) -> None:
+    """No ego was there from 3.6 to 5.6 s; a pedestrian who waited before is beyond the road afterwards."""
+    phase = crosses(5.0, 1e9, waits_from=0.0)
+    seen = [
+        Person(line(32.5, -4.0, 0, 0), phase=phase, end=3.6),
+        Person(line(32.5, 4.0, 0, 0), phase=phase, start=5.6),
+    ]
+    egos = [
+        Ego(line(0, 0, 10, 0), name="first", end=3.6),
+        Ego(line(-120, 0, 10, 0), name="second", start=5.6),
+    ]
+    report = analyse_run(write_run(tmp_path, egos, seen, duration=20.0))
+    assert [row["pet_area_s"] for row in report.encounters] == [None, None]
+    assert report.run["n_pet_defined"] == 0
+
+
 def test_one_who_steps_out_late_could_not_have_been_spared(tmp_path: Path) -> None:
     # The pedestrian stands 0.85 m beside the ego's path until 2.4 s and is struck at 3.08 s, too soon to react.
     def steps_out(t: float) -> tuple[float, float]:

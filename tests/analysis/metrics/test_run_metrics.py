@@ -50,6 +50,11 @@ def test_a_lane_change_counts_once_it_is_kept(tmp_path: Path) -> None:
     assert summary(tmp_path, recorded(lane_number=lane))["n_lane_changes"] == 1
 
 
+def test_a_lane_change_soon_after_the_ego_appears_counts(tmp_path: Path) -> None:
+    soon = recorded(lane_number=lambda t: 0 if t < 1.5 else 1)
+    assert summary(tmp_path, soon)["n_lane_changes"] == 1
+
+
 def test_decisions_unsolved_plans_interventions_and_slack_are_counted(tmp_path: Path) -> None:
     def when(start: float, end: float, inside: Any, outside: Any) -> Callable[[float], Any]:
         return lambda t: inside if start - 1e-9 <= t < end - 1e-9 else outside
@@ -155,6 +160,13 @@ def test_a_long_stand_is_a_deadlock_where_the_road_is_free(
     found = summary(tmp_path, ego, duration=80.0, step=0.5, areas=[area])
     assert found["deadlock"] == expected
     assert (found["deadlock_where"] is not None) == bool(expected)
+
+
+def test_the_distance_from_a_long_crossing_is_that_from_its_nearest_point(tmp_path: Path) -> None:
+    """The ego waits for a red light 39.5 m from the middle of the crossing, and 44 m from its ends."""
+    ego = Ego(stops(0.0, 70.0), columns={"gap_ahead_m": lambda t: None})
+    area = {**ZEBRA, "crossing_kind": "signal", "shape_m": [[39.5, -20.0], [39.5, 20.0]]}
+    assert summary(tmp_path, ego, duration=80.0, step=0.5, areas=[area])["deadlock"] == 0
 
 
 def test_a_deadlock_says_who_when_and_where(tmp_path: Path) -> None:

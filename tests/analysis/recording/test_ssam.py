@@ -24,6 +24,12 @@ def folder(tmp_path: Path) -> Path:
     )
 
 
+def test_a_recording_of_nobody_is_exported_too(tmp_path: Path) -> None:
+    trajectories, ids = export_ssam(write_run(tmp_path, [], record="everybody"))
+    assert list(read_trajectories(trajectories)) == []
+    assert len(ids.read_text().splitlines()) == 1
+
+
 def test_every_instant_holds_every_body_with_both_ends(folder: Path) -> None:
     trajectories, ids = export_ssam(folder)
     with ids.open(newline="") as file:

@@ -47,11 +47,16 @@ PERSONS = (
 )
 
 
-def rows_of(folder: Path, motion: Motion) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Return the rows of an ego and of a car that drives like it, in one run."""
+FAR_AWAY = line(0.0, 900.0, 1.0, 0.0)
+
+
+def rows_of(
+    folder: Path, motion: Motion, of_car: Motion | None = None
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return the rows of an ego and of a car in one run; by default, the car drives like the ego."""
     ego = Ego(motion)
     write_run(folder, [ego], PERSONS)
-    write_traffic(folder, [replace(ego, name="car")], PERSONS)
+    write_traffic(folder, [replace(ego, name="car", motion=of_car or motion)], PERSONS)
     analyse_run(folder)
     rows = read_csv(folder / TRAFFIC_ENCOUNTERS.file)
     return [row for row in rows if row["is_ego"] == "1"], [row for row in rows if row["is_ego"] == "0"]
@@ -59,7 +64,9 @@ def rows_of(folder: Path, motion: Motion) -> tuple[list[dict[str, Any]], list[di
 
 @pytest.mark.parametrize("motion", [line(0, 0, 10, 0), braking, line(5, 0.5, 6, 0)])
 def test_a_car_that_drives_like_the_ego_has_the_ego_s_numbers(tmp_path: Path, motion: Motion) -> None:
-    egos, cars = rows_of(tmp_path, motion)
+    # In one run, each of two cars in the same place would hide pedestrians from the other.
+    egos, _ = rows_of(tmp_path / "ego", motion, FAR_AWAY)
+    _, cars = rows_of(tmp_path / "car", FAR_AWAY, motion)
     assert [row["ped_id"] for row in egos] == [row["ped_id"] for row in cars]
     assert len(egos) >= 3
     for own, other in zip(egos, cars, strict=True):
@@ -69,6 +76,19 @@ def test_a_car_that_drives_like_the_ego_has_the_ego_s_numbers(tmp_path: Path, mo
                 assert float(own[name]) == pytest.approx(float(other[name]), abs=2e-6), name
             except ValueError:
                 assert own[name] == other[name], name
+
+
+def test_an_ego_hides_pedestrians_from_others_as_any_vehicle_does(tmp_path: Path) -> None:
+    """A car passes somebody who steps out from behind a standing one: the ego, or one of SUMO's."""
+    person = Person(line(32.5, -5.2, 0, 1.25))
+    stands, drives = line(28.0, -2.4, 0, 0), line(0, 0, 10, 0)
+    for name, ego, others in (("ego", stands, [drives]), ("sumo", FAR_AWAY, [drives, stands])):
+        folder = write_run(tmp_path / name, [Ego(ego)], [person], duration=8.0)
+        write_traffic(folder, [Ego(one, name=f"car{i}") for i, one in enumerate(others)], [person])
+        analyse_run(folder)
+        rows = read_csv(folder / TRAFFIC_ENCOUNTERS.file)
+        (row,) = (row for row in rows if row["vehicle_id"] == "car0")
+        assert (row["collision"], row["hidden_before_conflict"], row["preventable_r157"]) == ("1", "1", "0")
 
 
 def test_egos_have_the_values_of_encounters_csv(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -176,6 +177,26 @@ def test_a_configuration_whose_runs_all_failed_has_rows_without_numbers(
     assert {(row["n_runs"], row["n_valid"], row["status"]) for row in rows} == {("1", "0", "no_valid_run")}
     pair = only(comparisons, alt="broken", metric="n_conflicts")
     assert (pair["n_pairs"], pair["n_invalid"], pair["n_unpaired"]) == ("0", "1", "2")
+
+
+def test_two_versions_of_ones_own_controller_are_told_apart(tmp_path: Path) -> None:
+    for version, delay in (("a1b2c3d4e5", 10.0), ("f6a7b8c9d0", 20.0)):
+        folder = write_study_run(tmp_path / version, "mine", 1, numbers={"ego_delay_mean_s": delay})
+        path = folder / "run.json"
+        described = json.loads(path.read_text())
+        changed = {
+            "controller_files": {"mine.py": version},
+            "config_id": f"mine-{version}",
+            "run_id": version,
+        }
+        path.write_text(json.dumps(described | changed))
+    configs, comparisons = tables(tmp_path / "tables", [tmp_path / "a1b2c3d4e5", tmp_path / "f6a7b8c9d0"])
+    rows = [row for row in configs if row["metric"] == "ego_delay_mean_s"]
+    assert [(row["configuration"], float(row["mean"])) for row in rows] == [
+        ("mine file=a1b2c3d4", 10.0),
+        ("mine file=f6a7b8c9", 20.0),
+    ]
+    assert float(only(comparisons, metric="ego_delay_mean_s")["diff_mean"]) == 10.0
 
 
 def test_parameters_that_the_study_varies_tell_configurations_and_conditions_apart(tmp_path: Path) -> None:

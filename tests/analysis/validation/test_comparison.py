@@ -32,6 +32,11 @@ def test_the_verdict_says_by_how_much_or_what_would_have_been_shown() -> None:
     assert in_words(few, "s") == "cannot be said: 3 real and 30 simulated road users"
 
 
+def test_one_road_user_in_many_runs_is_too_few() -> None:
+    found = compare(np.arange(10.0), np.arange(6.0), ["one"] * 6)
+    assert (found.verdict, found.n_simulated) == ("too few", 1)
+
+
 def test_undefined_values_of_road_users_are_left_out() -> None:
     values = np.array([1.0, np.nan, 2.0, 3.0, 4.0, np.inf, 5.0])
     found = compare(values, values)

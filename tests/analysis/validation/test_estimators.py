@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.validation import estimate
 from analysis.validation.car_following import Episode, fit, simulated_gap
 from analysis.validation.estimators import estimates
 from analysis.validation.gap_acceptance import critical_gap, gaps
@@ -55,6 +56,11 @@ def test_nothing_is_fitted_to_few_pedestrians_or_to_gaps_that_separate_perfectly
     gap, _ = critical_gap(table[table["id"] < "p3"])
     assert not gap.known
     assert "pedestrians chose among gaps" in gap.method
+
+
+def test_the_mean_of_equal_values_has_an_interval_without_width() -> None:
+    found = estimate.mean("walking_speed", "m/s", np.full(6, 1.3))
+    assert (found.value, found.low, found.high) == (1.3, 1.3, 1.3)
 
 
 def test_a_fit_that_does_not_converge_is_undefined() -> None:
