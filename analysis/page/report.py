@@ -98,6 +98,9 @@ def write_report(
     made = tables.study_tables(study, root, data, folders, baseline)
     screened = town.screening(root, study.runs)
     criteria = origin.criteria(root)
+    # A failed run that recorded something is a run of the study, too: failed/NAME/run.
+    recorded = {run.folder.parent.name for run in study.runs if not run.valid}
+    failed = [row for row in origin.failed_runs(root) if row["run"] not in recorded]
     listed = choose(study, root, criteria, of_town=screened is not None, rows=rows)
     replayed = replay(listed, data / REPLAYS, replays)
     found = listed.found
@@ -109,10 +112,10 @@ def write_report(
             question=_question(study, baseline) if screened is None else _question_of_town(study),
             answers=_answers(study, made, say, found) if screened is None else town.answers(screened),
             town=screened,
-            valid=f"{len(found.runs)} of {len(study.runs) + len(origin.failed_runs(root))}",
+            valid=f"{len(found.runs)} of {len(study.runs) + len(failed)}",
             facts=rows_of_tiles(study, found, listed.table),
             criteria=criteria,
-            failed=[*origin.failed_runs(root), *origin.damaged_runs(study, out)],
+            failed=[*failed, *origin.damaged_runs(study, out)],
             tables_folder=_prefix(origin.relative(made.folder, out)),
             distributions=distributions(study, found) if screened is None else [],
             replays=f"{DATA}/{REPLAYS}",

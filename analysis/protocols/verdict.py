@@ -77,7 +77,7 @@ def decide(measured: Measured, demand: Demand) -> Verdict:
     impact = measured.impact
     speed = None if impact is None else max(3.6 * impact.speed, 0.0)
     colour = ""
-    if demand.coloured:
+    if demand.coloured and _took_place(measured, demand):
         colour = colours.colour(demand.ego_speed_kmh, speed, demand.avoidance_only)
     reasons = [_failure(measured, demand, speed, colour)]
     if measured.after_stop:
@@ -90,7 +90,7 @@ def decide(measured: Measured, demand: Demand) -> Verdict:
         contact=impact is not None,
         impact_speed_kmh=speed,
         colour=colour,
-        points=colours.FACTORS[colour] if colour else None,
+        points=colours.FACTORS[colour] if colour else 0.0 if demand.coloured else None,
         max_deceleration_mps2=measured.largest_deceleration,
         note="; ".join(reason for reason in reasons if reason),
     )
@@ -105,6 +105,8 @@ def compared(verdict: Verdict, standard: Verdict) -> Verdict:
 
 def _failure(measured: Measured, demand: Demand, speed: float | None, colour: str) -> str:
     """Return why the test was not passed; empty if it was passed."""
+    if not _took_place(measured, demand):
+        return "no test: the ego did not come near enough for the pedestrian to set off"
     if demand.rule in ("no_false_stop", "no_false_braking"):
         return _false_reaction(measured, speed, demand.rule == "no_false_braking")
     if speed is None:
@@ -119,6 +121,11 @@ def _failure(measured: Measured, demand: Demand, speed: float | None, colour: st
     if demand.rule == "not_red":
         return f"{told}, red" if colour == "red" else ""
     return f"{told}, {colour}"
+
+
+def _took_place(measured: Measured, demand: Demand) -> bool:
+    """Return whether the ego met the pedestrian; a controller that does not drive has passed nothing."""
+    return measured.impact is not None or (measured.near and (measured.walked or demand.in_view))
 
 
 def _false_reaction(measured: Measured, speed: float | None, braking_counts: bool) -> str:

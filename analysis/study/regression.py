@@ -29,7 +29,8 @@ def regression_rows(
     """Return a row of comparison for each pairing and measure, with ``p_holm`` and ``worse_now``.
 
     The p values of all pairings and measures are corrected together. A measure is worse when its
-    corrected p is below the level and its mean has moved in the direction that is worse.
+    corrected p is below the level, its mean has moved in the direction that is worse, and the interval of
+    the difference, if there is one, does not hold 0: ranks may move the other way than the mean.
 
     Parameters
     ----------
@@ -63,5 +64,7 @@ def _compared(pairing: Pairing, measures: Sequence[Measure]) -> list[dict[str, A
 
 
 def _moved_badly(row: dict[str, Any]) -> bool:
-    difference = row["diff_mean"]
+    difference, low, high = row["diff_mean"], row["ci95_lo"], row["ci95_hi"]
+    if low is not None and low <= 0.0 <= high:
+        return False
     return bool(difference > 0.0 if row["worse"] == "higher" else difference < 0.0)

@@ -72,9 +72,9 @@ def compare(real: FloatArray, simulated: FloatArray, names: Sequence[str] | None
     means = (_mean(real), _mean(simulated))
     sds = (_spread(real), _spread(simulated))
     difference = means[1] - means[0]
-    if min(len(real), different := len(np.unique(users))) < LEAST:
+    if min(len(real), len(np.unique(users))) < LEAST:
         nothing = (np.nan, np.nan, np.nan, np.nan, np.nan)
-        return Comparison(len(real), different, *means, *sds, difference, *nothing, "too few")
+        return Comparison(len(real), len(simulated), *means, *sds, difference, *nothing, "too few")
     pooled = float(np.sqrt(0.5 * (sds[0] ** 2 + sds[1] ** 2)))
     rng = np.random.default_rng(SEED)
     who = np.unique(users, return_inverse=True)[1]

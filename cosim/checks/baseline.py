@@ -119,23 +119,50 @@ def check_same_road(baseline: Baseline, batches: Sequence[Batch]) -> None:
 def compare(
     baseline: Baseline, evaluations: Sequence[tuple[Evaluation, Batch]], level: float, command: str
 ) -> list[Finding]:
-    """Return a finding for each configuration that has a baseline and for each key measure."""
+    """Return a finding for each configuration and key measure; one for a configuration without a baseline.
+
+    Raises
+    ------
+    InputError
+        If the baseline was judged with other thresholds.
+    """
     origins: list[Finding] = []
     pairings: list[Pairing] = []
+    without: list[Finding] = []
     for evaluation, batch in evaluations:
         for one in batch.matrix.configurations:
             valid = {run.seed: run for run in evaluation.made(one) if not run.reason}
             seeds = baseline.seeds(one, list(valid))
             if len(baseline.seeds(one, batch.matrix.seeds)) < FEWEST_SEEDS:
+                without.append(_without(replace(evaluation.origin(one), command=command)))
                 continue
             folders = [folder for seed in seeds if (folder := valid[seed].folder) is not None]
-            pairings.append(Pairing(baseline.then(one, seeds), read_runs(folders)))
+            pairing = Pairing(baseline.then(one, seeds), read_runs(folders))
+            if len({run.thresholds for run in (*pairing.then, *pairing.now)} - {""}) > 1:
+                raise InputError(
+                    f"--baseline {baseline.folder}: was judged with other thresholds than these runs; "
+                    "cosim analyse judges its runs anew"
+                )
+            pairings.append(pairing)
             origins.append(replace(evaluation.origin(one), command=command))
     measures = [one for one in run_measures() if one.key]
     groups = regression_rows(pairings, measures, level)
-    return [
+    found = [
         _finding(origin, row, level) for origin, rows in zip(origins, groups, strict=True) for row in rows
     ]
+    return [*found, *without]
+
+
+def _without(origin: Finding) -> Finding:
+    return replace(
+        origin,
+        scope="baseline",
+        criterion_id="not worse than the baseline",
+        metric="baseline",
+        status="undefined",
+        counts=False,
+        note="fewer than two seeds of this configuration are in the baseline; not compared",
+    )
 
 
 def _finding(origin: Finding, row: Mapping[str, Any], level: float) -> Finding:

@@ -10,7 +10,7 @@ from typing import Any
 
 from analysis.criteria.criterion import Criterion
 from analysis.errors import AnalysisError
-from analysis.files import read_json
+from analysis.files import PART, read_json
 from analysis.study.configuration_rows import configuration_rows
 from analysis.study.design import Study, read_study
 from analysis.study.runs import STUDY_FILE, StudyRun, find_run_folders
@@ -20,6 +20,7 @@ from cosim.batches.criteria_file import tables_in
 from cosim.batches.ledger import FAILED
 from cosim.batches.outcome import NOTE
 from cosim.batches.stored import DAMAGED, read_failure
+from cosim.batches.study import parse_seeds
 from cosim.batches.study import read_study as read_study_file
 from cosim.checks.finding import VALID, Finding
 from cosim.checks.judged import (
@@ -70,9 +71,10 @@ def judge_results(results: Results) -> list[Finding]:
     found: list[Finding] = []
     cases: list[tuple[Finding, Made]] = []
     judged_by_any = False
-    for place in _studies(folder):
-        study = _read(place)
+    for place, runs in _studies(folder).items():
+        study = _read(runs)
         by_configuration = _made(study, place, folder)
+        _add_missing(by_configuration, place)
         rows = cells(CONFIGS, list(configuration_rows(study)), number="{:.6g}".format)
         statistics = {
             (row["config_id"], row["metric"], row["kind"]): row
@@ -120,17 +122,35 @@ def _findings(
                 yield from judged_rows(origin, criterion, run)
 
 
-def _studies(folder: Path) -> list[Path]:
-    """Return the folders whose runs belong together: the targets of a check, otherwise the folder itself."""
+def _studies(folder: Path) -> Mapping[Path, Sequence[Path]]:
+    """Return the runs that belong together, by folder: those of each study, and all others."""
     if (folder / STUDY_FILE).is_file():
-        return [folder]
-    targets = sorted(path.parent for path in folder.glob(f"*/{STUDY_FILE}"))
-    return targets or [folder]
+        return {folder: find_run_folders(folder)}
+    runs = find_run_folders(folder)
+    found: dict[Path, list[Path]] = {}
+    for path in sorted(folder.rglob(STUDY_FILE)):
+        if not any(part.startswith(".") or part.endswith(PART) for part in path.relative_to(folder).parts):
+            found.setdefault(path.parent, [])
+    for run in runs:
+        inner = next((one for one in run.parents if one in found), folder)
+        found.setdefault(inner, []).append(run)
+    return found
 
 
-def _read(place: Path) -> Study:
+def _add_missing(made: Mapping[_Key, list[Made]], place: Path) -> None:
+    """Add the seeds of the study file with which a configuration was never run: an interrupted batch."""
+    file = place / STUDY_FILE
+    if not file.is_file():
+        return
+    for seed in parse_seeds(read_study_file(file, allow_programs=True).seeds):  # nothing is run
+        for runs in made.values():
+            if seed not in {one.seed for one in runs}:
+                runs.append(Made(seed, "", None, "", "was not made", {"place": None}))
+
+
+def _read(folders: Sequence[Path]) -> Study:
     try:
-        study = read_study(find_run_folders(place))
+        study = read_study(folders)
     except AnalysisError as error:
         raise InputError(f"--results: {error}") from error
     for told in study.unreadable.values():

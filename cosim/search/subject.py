@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -80,7 +80,11 @@ def read_subject(
         raise InputError(f"{scenario}: has a base itself; expected the base, or a scenario without one")
     space = _space(loaded, space_file)
     tables = _criteria_tables(loaded, space, criteria_file)
-    criteria = _criteria(tables or _own_tables(loaded), scenario, controller)
+    own = _own_tables(loaded)
+    if not tables and any("scenarios" in one for one in own):
+        tables = own  # trials are scenarios of other names
+    criteria = _criteria(tables or own, scenario, loaded.name, controller)
+    tables = _of_any_name(tables, loaded.name)
     values, of_controller = _split(loaded, controller, settings)
     place = scenario if library.is_built_in(scenario) else str(Path(scenario).resolve())
     subject = Subject(
@@ -113,12 +117,23 @@ def _criteria_tables(loaded: Scenario, space: Space, file: Path | None) -> list[
     return tables_in(file)
 
 
-def _criteria(tables: list[dict[str, Any]], scenario: str, controller: str) -> tuple[Criterion, ...]:
+def _of_any_name(tables: Sequence[dict[str, Any]], name: str) -> list[dict[str, Any]]:
+    """Return the criteria that apply to a scenario, so that they apply to it under any name."""
+    return [
+        {key: value for key, value in one.items() if key != "scenarios"}
+        for one in tables
+        if not one.get("scenarios") or name in one["scenarios"]
+    ]
+
+
+def _criteria(
+    tables: list[dict[str, Any]], scenario: str, name: str, controller: str
+) -> tuple[Criterion, ...]:
     try:
         criteria = read_criteria(tables)
     except CriterionError as error:
         raise InputError(f"{scenario}: {error}") from error
-    found = searchable([one for one in criteria if not one.controllers or controller in one.controllers])
+    found = searchable([one for one in criteria if one.applies_to(name, controller)])
     if not found:
         raise InputError(
             f"{scenario}: no criterion that one run can violate; expected [[criteria]] of scope run or "

@@ -12,12 +12,14 @@ import numpy as np
 
 from analysis.errors import AnalysisError
 from analysis.files import read_json, write_csv, write_json
+from analysis.recording.columns import TRAFFIC
 from analysis.sealing import seal_tables
 from analysis.tables.cells import cells
 from analysis.tables.datapackage import describe
 from analysis.validation.observed import observe
 from analysis.validation.table import VALIDATION, Compared, compared, rows
 from cosim.batches.batch import BatchRequest
+from cosim.batches.ledger import RUNS
 from cosim.batches.study import check_seeds, study_of
 from cosim.errors import InputError, SimulationError
 from cosim.recording import folders
@@ -218,10 +220,10 @@ def finished(plan: Plan) -> Validated:
         If no run can be compared.
     """
     folder = plan.request.folder
-    runs = sorted(path.parent for path in (folder / SIMULATED).rglob("traffic.parquet"))
+    runs = sorted(path.parent for path in (folder / SIMULATED / RUNS).glob(f"*/{TRAFFIC.file}"))
     try:
         real = observe(folder / REAL)
-        simulated = [observe(run) for run in runs]
+        simulated = [observe(run) for run in runs if read_json(run / "run.json").get("valid")]
     except AnalysisError as error:
         raise SimulationError(str(error)) from error
     if not simulated:

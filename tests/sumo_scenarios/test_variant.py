@@ -45,6 +45,12 @@ def write(folder: Path, text: str = TEXT) -> str:
     return str(folder)
 
 
+def test_a_condition_on_a_parameter_that_the_base_lacks_is_refused(tmp_path: Path) -> None:
+    text = TEXT.replace('{ edges = "east" }', '{ edges = "east", when = { nonsense = "x" } }')
+    with pytest.raises(ScenarioError, match=r"egos\.routes\.when names 'nonsense'; parameters that exist: "):
+        library.load(write(tmp_path / "variant", text))
+
+
 def test_it_has_its_own_values_and_everything_else_of_its_base(tmp_path: Path) -> None:
     found = library.load(write(tmp_path / "mine"))
     base = library.load("jaywalk_arterial")

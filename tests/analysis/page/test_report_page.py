@@ -66,9 +66,12 @@ def eventful(tmp_path_factory: pytest.TempPathFactory) -> tuple[Written, Markup]
     folder = write_study(tmp_path_factory.mktemp("eventful") / "study")
     (folder / "runs/sumo-2/job.json").write_text('{"command": "cosim run road --controller sumo --seed 2"}')
     write_study_run(folder / "runs/sumo-9", "sumo", 9, invalid="ego_0 was teleported")
+    # It recorded something before it failed, and is a run of the study, too.
+    write_study_run(folder / "failed/road-sumo-11/run", "sumo", 11, invalid="it crashed")
     (folder / "failed.csv").write_text(
         "run,scenario,controller,seed,attempts,reason,command\n"
         "road-sumo-10,road,sumo,10,2,time-out after 600 s,cosim run road --seed 10\n"
+        "road-sumo-11,road,sumo,11,1,it crashed,cosim run road --seed 11\n"
     )
     rows = [
         {"criterion_id": "kept away", "value": 3.0, "margin": 2.0, "status": "pass"},
@@ -169,8 +172,9 @@ def test_an_encounter_without_recording_says_so_and_names_the_command(
 @pytest.mark.long
 def test_invalid_and_failed_runs_are_named_with_their_reason(eventful: tuple[Written, Markup]) -> None:
     _, page = eventful
-    for text in ("runs/sumo-9", "ego_0 was teleported", "road-sumo-10", "time-out after 600 s", "6 of 8"):
+    for text in ("runs/sumo-9", "ego_0 was teleported", "road-sumo-10", "time-out after 600 s", "6 of 9"):
         assert text in page.texts
+    assert page.texts.count("it crashed") == 1
 
 
 @pytest.mark.long

@@ -22,8 +22,23 @@ def measured(
     after_stop: bool = False,
     deceleration: float = 0.0,
     preventable: bool | None = True,
+    near: bool = True,
+    walked: bool = True,
 ) -> Measured:
-    return Measured(None if kmh is None else impact(kmh), after_stop, stopped, deceleration, preventable)
+    hit = None if kmh is None else impact(kmh)
+    return Measured(hit, after_stop, stopped, deceleration, preventable, near, walked)
+
+
+@pytest.mark.parametrize("rule", ["no_contact", "green", "not_red", "no_false_stop"])
+def test_a_test_that_did_not_take_place_is_not_passed(rule: str) -> None:
+    for seen in (measured(near=False), measured(walked=False)):
+        verdict = decide(seen, Demand(rule, 40.0))
+        assert (verdict.passed, verdict.counts, verdict.colour) == (False, True, "")
+        assert verdict.points in (0.0, None)
+        assert verdict.note.startswith("no test: ")
+    # Who stands in the way, or walks along it, need not set off.
+    assert decide(measured(walked=False), Demand(rule, 40.0, in_view=True)).passed
+    assert not decide(measured(near=False), Demand(rule, 40.0, in_view=True)).passed
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,19 @@ def test_a_delay_that_grew_on_every_seed_is_worse_and_one_that_shrank_is_not(tmp
     assert grown[0]["p_holm"] == shrunk[0]["p_holm"] < 0.001
 
 
+def test_ranks_that_moved_the_other_way_than_the_mean_show_nothing(tmp_path: Path) -> None:
+    """27 of 30 seeds lose less time, 3 much more: the test of ranks is significant, for the better."""
+    then = [10.0 + 0.01 * seed for seed in range(30)]
+    now = [value + (8.0 if seed >= 27 else -0.5 - 0.01 * seed) for seed, value in enumerate(then)]
+    (row,) = regression_rows(
+        [compared(tmp_path, "ego_delay_mean_s", then, now)], chosen("ego_delay_mean_s"), 0.05
+    )[0]
+    assert row["test"] == "wilcoxon"
+    assert row["p_holm"] < 0.05
+    assert row["diff_mean"] > 0.0
+    assert row["worse_now"] is False
+
+
 def test_what_is_worse_when_lower_counts_in_that_direction(tmp_path: Path) -> None:
     then = [2.0 + noise for noise in NOISE]
     now = [value - 1.0 + noise / 4 for value, noise in zip(then, NOISE, strict=True)]

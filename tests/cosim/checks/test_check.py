@@ -236,6 +236,12 @@ def test_a_baseline_of_another_road_or_study_is_refused(
     assert "belongs to another study" in told("midblock_unmarked", *arguments[1:])
     assert "belongs to another study" in told(*arguments, "--set", "pedestrians_per_hour=200")
     assert "at least 2 seeds in common" in told(*arguments[:-1], "2-3")
+    runs = [str(path.parent) for path in Path("then").rglob("run.json")]
+    assert main(["analyse", *runs, "--set", "hard_brake_mps2=2"]) == 0
+    assert "was judged with other thresholds than these runs" in refused(
+        capsys, "check", *arguments, "--baseline", "then", "--out", "later"
+    )
+    assert main(["analyse", *runs]) == 0
     for path in Path("then").rglob("run.json"):
         description = json.loads(path.read_text())
         changed = {**description, "inputs": {**description["inputs"], "network": "0"}}

@@ -60,6 +60,24 @@ def rows(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def test_all_runs_below_a_folder_are_judged_and_those_that_were_never_made_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A batch in a folder below another one, a run beside it, and a batch that was interrupted."""
+    numbers = {"n_ttc_lt_1p5": 0, "ego_delay_mean_s": 8.0}
+    write_study_run(tmp_path / "all" / "deep" / "batch" / "runs" / "one", "sumo", 1, numbers=numbers)
+    (tmp_path / "all" / "deep" / "batch" / "study.toml").write_text(STUDY)
+    (tmp_path / "all" / "criteria.toml").write_text(CRITERIA)
+    assert judged(tmp_path / "all", "--junit", str(tmp_path / "junit.xml")) == 3
+    missing = [row for row in rows(tmp_path / "all") if row["status"] == "invalid" and row["scope"] == "run"]
+    assert {(row["seed"], row["note"]) for row in missing} == {("2", "was not made")}
+    (tmp_path / "all" / "deep" / "batch" / "study.toml").write_text(STUDY.replace("1-2", "1"))
+    assert judged(tmp_path / "all") == 0
+    write_study_run(tmp_path / "all" / "loose", "aeb", 3, invalid="SUMO crashed")
+    assert judged(tmp_path / "all") == 3
+    assert "SUMO crashed" in capsys.readouterr().err
+
+
 def test_a_failed_criterion_names_ego_time_and_place_and_leads_to_the_row(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,6 +15,8 @@ from analysis.sealing import seal
 from benchmarks.measuring.one_pedestrian import SPACE
 from cosim.batches.outcome import NOTE
 from cosim.cli import main
+from cosim.errors import InputError
+from cosim.search.subject import read_subject
 from tests.cosim.batches import unruly
 
 TABLES = ("trials.csv", "failures.csv", "unpreventable.csv", "progress.csv", "datapackage.json")
@@ -39,6 +41,19 @@ def arguments(folder: Path, out: Path, *more: str) -> list[str]:
     space = ["--space", str(folder / "space.toml"), "--no-report", *alone]
     words = ["falsify", "jaywalk_arterial", "--controller", "constant_speed", "--budget", "10", *space]
     return [*words, "--out", str(out), *more]
+
+
+def test_a_criterion_of_one_scenario_is_that_of_its_trials_and_of_no_other(tmp_path: Path) -> None:
+    """Trials and failures are scenarios of other names."""
+    file = tmp_path / "criteria.toml"
+    text = '[[criteria]]\nscope = "encounter"\nmetric = "pet_area_s"\noperator = ">="\nthreshold = 1.0\n'
+    file.write_text(text + 'scenarios = ["jaywalk_arterial"]\n')
+    (one,) = read_subject("jaywalk_arterial", "aeb", {}, criteria_file=file).criteria_tables
+    assert "scenarios" not in one
+    assert one["metric"] == "pet_area_s"
+    file.write_text(text + 'scenarios = ["midblock_zebra"]\n')
+    with pytest.raises(InputError, match="no criterion that one run can violate"):
+        read_subject("jaywalk_arterial", "aeb", {}, criteria_file=file)
 
 
 def test_it_finds_preventable_failures_and_lists_the_others_apart(found: Path) -> None:
