@@ -59,7 +59,8 @@ class Watch:
     heading: dict[str, float] = field(default_factory=dict)
     """Sign of the last clear movement across the path."""
     pace: dict[str, float] = field(default_factory=dict)
-    """Last speed across the road of pedestrians who were seen walking on it [m/s]."""
+    """Largest speed across the road of pedestrians who were seen walking on it; before they stop, they slow
+    down [m/s]."""
     waited: dict[str, float] = field(default_factory=dict)
     """How long the pedestrian has stood while the ego waited for them [s]."""
     declined: dict[str, float] = field(default_factory=dict)
@@ -90,7 +91,7 @@ class Watch:
             if abs(across) > assume.standing_below:
                 self.heading[name] = math.copysign(1.0, across)
                 if road.right_edge < where < road.left_edge:
-                    self.pace[name] = abs(across)
+                    self.pace[name] = max(abs(across), self.pace.get(name, 0.0))
             if math.hypot(along, across) <= assume.standing_below:
                 before = ego.speed < assume.waiting_below and at < within
                 waits = passed if before else 0.0

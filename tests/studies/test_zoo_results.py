@@ -56,7 +56,8 @@ def test_every_run_that_was_asked_for_is_a_row(mixed: list[Run]) -> None:
 
 @pytest.mark.parametrize("cell", [None, ""], ids=["no column", "an empty cell"])
 def test_a_count_that_a_run_does_not_tell_is_not_taken_for_0(tmp_path: Path, cell: str | None) -> None:
-    zoo_runs.run(tmp_path, "vo_mpc", FIRST, **({} if cell is None else {"n_unheard_of": cell}))
+    values: dict[str, Any] = {} if cell is None else {"n_unheard_of": cell}
+    zoo_runs.run(tmp_path, "vo_mpc", FIRST, **values)
     with pytest.raises(KeyError, match="n_unheard_of"):
         of(read(tmp_path), "vo_mpc").total("n_unheard_of")
 

@@ -182,6 +182,16 @@ def test_whoever_stopped_on_their_way_across_may_turn_back_as_fast_as_they_came(
     assert 0.25 + allowed / 8.0 == pytest.approx(gap / pace)
 
 
+def test_who_slows_down_before_they_stop_came_as_fast_as_before() -> None:
+    watch, assume = Watch(), PedestrianAssumptions()
+    for time, (across, speed) in enumerate([(-1.6, 1.4), (-0.6, 0.7), (-0.2, 0.25), (0.0, 0.0)]):
+        walker = replace(_stands(0.9, side=1.0), across_speed=speed)
+        walker = replace(walker, across=walker.across + across)
+        seen = perception(ego(time=float(time)), walkers=[walker])
+        known = expected(seen, watch, assume, None)
+    assert known.sets_off.tolist() == [1.4]
+
+
 def test_who_stands_on_a_crossing_and_lets_the_ego_go_first_may_walk_on_beside_it() -> None:
     """A car that creeps past them is still there when its front is past; in SUMO they set off then."""
     watch, assume = Watch(), PedestrianAssumptions()
