@@ -104,7 +104,10 @@ def run(
         record=record,
         out=None if out is None else Path(out),
     )
-    return Run(execute(request, progress).folder)
+    outcome = execute(request, progress)
+    if isinstance(outcome.error, KeyboardInterrupt):
+        raise outcome.error  # what was recorded is kept; a loop over many runs ends here
+    return Run(outcome.folder)
 
 
 def _given(controller: ControllerLike) -> str | Given:

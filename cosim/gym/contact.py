@@ -75,21 +75,25 @@ def _between(
 
 
 def _overlaps(ego: EgoTruth, snapshot: Snapshot) -> bool:
-    cars = snapshot.vehicles
-    near = _near(ego, cars.x, cars.y)
+    """Return whether an ego overlaps another vehicle, be it an ego or not."""
+    cars, egos = snapshot.vehicles, [one for one in snapshot.egos if one.name != ego.name]
+    own = np.array([(one.x, one.y, one.heading, one.body.length, one.body.width) for one in egos])
+    theirs = np.column_stack((cars.x, cars.y, cars.heading, cars.length, cars.width))
+    all_x, all_y, all_headings, all_lengths, widths = np.vstack((theirs, own.reshape(-1, 5))).T
+    near = _near(ego, all_x, all_y)
     if not len(near):
         return False
-    half, lengths, headings = 0.5 * ego.body.length, cars.length[near], cars.heading[near]
+    half, lengths, headings = 0.5 * ego.body.length, all_lengths[near], all_headings[near]
     gap, _ = rectangle_separation(
         np.full(len(near), ego.x - half * np.cos(ego.heading)),
         np.full(len(near), ego.y - half * np.sin(ego.heading)),
         np.full(len(near), ego.heading),
         ego.body.length,
         ego.body.width,
-        cars.x[near] - 0.5 * lengths * np.cos(headings),
-        cars.y[near] - 0.5 * lengths * np.sin(headings),
+        all_x[near] - 0.5 * lengths * np.cos(headings),
+        all_y[near] - 0.5 * lengths * np.sin(headings),
         headings,
         lengths,
-        cars.width[near],
+        widths[near],
     )
     return bool((gap < 0.0).any())

@@ -108,7 +108,7 @@ class Episode:
         began = self._last
         while True:
             self._advance()
-            if self._plan() or self._session.over or not self._present():
+            if self._plan() or self._session.over or not self._present() or self._given_up():
                 break
         outcomes = {name: self._outcome(name, before[name], began) for name in before}
         for name, one in outcomes.items():
@@ -124,6 +124,11 @@ class Episode:
         assert self._last is not None
         there = {ego.name for ego in self._last.egos}
         return any(name in there for name in self.agents) or not self.agents
+
+    def _given_up(self) -> bool:
+        """Return whether the ego of an agent was handed back to SUMO for good: its agent plans no more."""
+        assert self._last is not None
+        return any(name in self.agents for name in self._last.mishaps.given_up)
 
     def _plan(self) -> bool:
         """Sense, register new egos, and return whether an agent has to plan."""
@@ -189,11 +194,11 @@ class Episode:
             return "contact"
         if near.vehicle:
             return "vehicle_contact"
+        if agent.name in now.mishaps.given_up:
+            return "left_its_path"
         if not there:
             teleported = began is not None and now.teleports > began.teleports
             return "teleported" if teleported else "arrived"
-        if agent.name in now.mishaps.given_up:
-            return "left_its_path"
         if self._session.over or now.time - agent.began_s >= self._time_limit_s - 1e-9:
             return "time"
         return ""

@@ -280,7 +280,7 @@ class SumoWorld:
     def _over(self) -> bool:
         if self._time >= self._end - 1e-9:
             return True
-        if self._egos or self._sources.trips:
+        if self._egos or self._sources.trips or self._to_take:
             return False
         ends = self._sources.ends and self._everybody is None
         # SUMO does not count vehicles that calibrators have yet to insert as expected.
@@ -356,8 +356,9 @@ class SumoWorld:
         there, departed = self._present.vehicles, self._departed.vehicles
         # In a long step, a vehicle may depart and leave again.
         chosen = [name for name in self._to_take if name in there]
-        if departed:
-            chosen += self._sources.choose(self._sumo, departed, self._time)
+        # Recorded vehicles go where they went; nobody else can drive them.
+        if others := [name for name in departed if name not in self._recorded.names]:
+            chosen += self._sources.choose(self._sumo, others, self._time)
         self._to_take = []
         for name in chosen:
             if is_on_lane(self._sumo, name):

@@ -227,3 +227,14 @@ def test_a_file_is_a_controller_for_the_command_line_too(
     ran = cosim.load(made)
     assert isinstance(ran, cosim.Run)
     assert list(ran.description["controller_files"]) == ["slow.py"]
+
+
+def test_an_interruption_ends_the_callers_loop_and_keeps_what_was_recorded(tmp_path: Path) -> None:
+    def interrupt(now: float, _: float | None) -> None:
+        if now > 7.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        cosim.run("midblock_zebra", controller="sumo", out=tmp_path / "run", progress=interrupt, **SHORT)
+    kept = cosim.load(tmp_path / "run")
+    assert (kept.valid, kept.invalid_reason) == (False, "interrupted")

@@ -255,3 +255,24 @@ def test_without_gymnasium_the_command_is_told() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "InputError cosim.gym needs Gymnasium: pip install gymnasium\n"
+
+
+def test_an_ego_that_is_given_up_ends_the_episode_at_once() -> None:
+    """It has steered off the road; SUMO drives it from then on."""
+    env = gymnasium.make(
+        "cosim/midblock_zebra-v0",
+        action="acceleration_steering",
+        time_limit_s=60.0,
+        warmup_s=1.0,
+        pedestrians_per_hour=0,
+        vehicles_per_hour=0,
+    )
+    env.reset(seed=1)
+    terminated = truncated = False
+    steps = 0
+    while not (terminated or truncated):
+        _, _, terminated, truncated, info = env.step(np.array([1.0, 0.05], np.float32))
+        steps += 1
+    env.close()
+    assert (terminated, truncated, info["ended"]) == (False, True, "left_its_path")
+    assert info["time_s"] == pytest.approx(0.1 * steps)

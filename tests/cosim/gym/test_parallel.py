@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from pettingzoo.test import parallel_api_test
 
 from cosim.errors import InputError
 from cosim.gym import parallel_env
+from cosim.gym.contact import nearness
 
 pytestmark = pytest.mark.sumo
 QUICK: dict[str, Any] = {"time_limit_s": 6.0, "warmup_s": 2.0, "ego_headway_s": 2.0}
@@ -41,6 +43,22 @@ def test_agents_come_with_their_egos_and_go_after_their_time() -> None:
     with pytest.raises(InputError, match="no agent is left"):
         env.step({})
     env.close()
+
+
+@pytest.mark.parametrize(("behind_m", "overlaps"), [(3.0, True), (6.0, False)])
+def test_one_ego_is_a_vehicle_to_the_other(behind_m: float, overlaps: bool) -> None:
+    env = parallel_env("midblock_zebra", agents=2, **QUICK)
+    env.reset(seed=3)
+    while len(env.agents) < 2:
+        env.step({name: np.zeros(1, np.float32) for name in env.agents})
+    assert env._episode is not None
+    seen = env._episode._last
+    env.close()
+    assert seen is not None
+    one, other = seen.egos
+    behind = replace(other, x=one.x - behind_m, y=one.y, heading=one.heading)
+    together = replace(seen, egos=(one, behind))
+    assert nearness(one, one, together, together).vehicle is overlaps
 
 
 def test_every_agent_needs_an_action() -> None:
