@@ -69,6 +69,8 @@ class Watch:
     """Time of the last look [s]."""
     longest_wait: float = 0.0
     """Longest of the waiting times [s]."""
+    at_red: set[str] = field(default_factory=set)
+    """Pedestrians whose crossing showed red; when it turns green, they have not yet let anybody go first."""
 
     def look(self, perception: Perception, assume: PedestrianAssumptions) -> None:
         """Update what is remembered; a second look at the same instant changes nothing."""
@@ -79,6 +81,12 @@ class Watch:
         declined: dict[str, float] = {}
         at_rest = passed if ego.speed < EGO_STANDING else 0.0
         road, within = perception.road, max(assume.waiting_within, ego.body.front + assume.waiting_ahead)
+        at_red, at_green = set[str](), set[str]()
+        for number, crossing in enumerate(road.crossings):
+            if crossing.pedestrians_have_green is not None:
+                there = at_green if crossing.pedestrians_have_green else at_red
+                there |= {people.names[i] for i in np.flatnonzero(people.crossing == number)}
+        turned_green, self.at_red = self.at_red & at_green, at_red
         movements = zip(
             people.names,
             people.across.tolist(),
@@ -95,7 +103,8 @@ class Watch:
             if math.hypot(along, across) <= assume.standing_below:
                 before = ego.speed < assume.waiting_below and at < within
                 waits = passed if before else 0.0
-                waited[name] = self.waited.get(name, 0.0) + waits
+                before_that = 0.0 if name in turned_green else self.waited.get(name, 0.0)
+                waited[name] = before_that + waits
                 declined[name] = self.declined.get(name, 0.0) + at_rest
         self.waited, self.declined = waited, declined
         self.longest_wait = max(waited.values(), default=0.0)

@@ -145,6 +145,18 @@ def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_they_
     assert len(found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
 
 
+def test_who_has_waited_at_red_lets_nobody_go_first_at_green() -> None:
+    """An ego that turns waits at the same red light; both may go now, and the pedestrian first."""
+    watch, assume = Watch(), PedestrianAssumptions()
+    waits = Walker(FRONT + 8.0, -4.3, 0.0, 0.0, 0, waiting=True)
+    for second in range(12):
+        light = replace(zebra(FRONT + 6.0, CrossingKind.SIGNAL), pedestrians_have_green=second > 9)
+        seen = perception(ego(0.0, time=float(second)), straight_road(1), [waits], crossings=[light])
+        known = [expected(seen, watch, assume, None) for _ in range(2)][-1]
+        assert known.lets_go.tolist() == [3 <= second <= 9]
+    assert known.enters.all()
+
+
 def test_who_is_seen_for_the_first_time_has_not_waited_yet() -> None:
     watch = Watch()
     for second in range(3):
