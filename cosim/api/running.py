@@ -15,7 +15,7 @@ from controllers.outside.given import Given
 from controllers.outside.handed_over import given
 from cosim.api.recorded_run import Run
 from cosim.errors import InputError
-from cosim.running.execution import execute
+from cosim.running.execution import Outcome, execute
 from cosim.running.inventory import as_text
 from cosim.running.request import RunRequest
 
@@ -104,7 +104,10 @@ def run(
         record=record,
         out=None if out is None else Path(out),
     )
-    outcome = execute(request, progress)
+    return _run_of(execute(request, progress))
+
+
+def _run_of(outcome: Outcome) -> Run:
     if isinstance(outcome.error, KeyboardInterrupt):
         raise outcome.error  # what was recorded is kept; a loop over many runs ends here
     return Run(outcome.folder)
