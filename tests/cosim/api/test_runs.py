@@ -237,4 +237,5 @@ def test_an_interruption_ends_the_callers_loop_and_keeps_what_was_recorded(tmp_p
     with pytest.raises(KeyboardInterrupt):
         cosim.run("midblock_zebra", controller="sumo", out=tmp_path / "run", progress=interrupt, **SHORT)
     kept = cosim.load(tmp_path / "run")
+    assert isinstance(kept, cosim.Run)
     assert (kept.valid, kept.invalid_reason) == (False, "interrupted")
