@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -129,6 +129,18 @@ class EgosTable(Table):
     depart_speed: str = "desired"
     """SUMO's ``departSpeed``."""
 
+    def check_conditions(self, parameters: Collection[str]) -> None:
+        """Check that the trips depend on parameters that exist.
+
+        Raises
+        ------
+        ValueError
+            If they do not.
+        """
+        for key in (key for route in self.routes for key in route.when if key not in parameters):
+            exist = ", ".join(sorted(parameters)) or "none"
+            raise ValueError(f"egos.routes.when names {key!r}; parameters that exist: {exist}")
+
 
 class ScenarioTable(Table):
     """The whole of ``scenario.toml``."""
@@ -200,11 +212,7 @@ class ScenarioTable(Table):
         for name, rate in self.rates.items():
             if rate.of not in counted:
                 raise ValueError(f"rates.{name}.of is {rate.of!r}; there are: {', '.join(sorted(counted))}")
-        for route in self.egos.routes:
-            for key in route.when:
-                if key not in self.parameters:
-                    exist = ", ".join(sorted(self.parameters)) or "none"
-                    raise ValueError(f"egos.routes.when names {key!r}; parameters that exist: {exist}")
+        self.egos.check_conditions(self.parameters)
         return self
 
 

@@ -42,12 +42,10 @@ def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:
         )
     said = {key: getattr(table, key) for key in _OF_THE_TABLE if key in table.model_fields_set}
     merged = base.table.model_copy(update=said)
-    for route in merged.egos.routes:
-        if strange := sorted(set(route.when) - set(base.parameters)):
-            exist = ", ".join(sorted(base.parameters)) or "none"
-            raise ScenarioError(
-                f"{place}: egos.routes.when names {strange[0]!r}; parameters that exist: {exist}"
-            )
+    try:
+        merged.egos.check_conditions(base.parameters)
+    except ValueError as error:
+        raise ScenarioError(f"{place}: {error}") from error
     runs = {key: getattr(table, key) for key in _OF_RUNS if key in table.model_fields_set}
     if "actuation" in runs and "lateral_resolution_m" not in runs:
         runs["lateral_resolution_m"] = lateral_resolution(base, table.actuation)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.arrays import BoolArray
+from analysis.arrays import BoolArray, IntArray
 from analysis.encounters.candidates import Meeting, met, waited
 from analysis.encounters.conflict_area import ConflictArea, conflict_areas
 from analysis.encounters.crossings import Traversal
@@ -72,7 +72,7 @@ def find_encounters(egos: Sequence[Track], persons: Sequence[Track], around: Sur
     found = []
     for ego in egos:
         for person in persons:
-            if _may_meet(ego, person, around.thresholds.encounter_range_m):
+            if come_within(ego, person, 2.0 * around.thresholds.encounter_range_m):
                 areas = conflict_areas(ego, person, around.grid, around.thresholds.visit_pairing_s)
                 found.extend(_of_pair(ego, person, areas, around))
     return sorted(found, key=place_in_run)
@@ -130,13 +130,14 @@ def _around(track: Track, samples: tuple[int, int]) -> tuple[int, int]:
     return int(first), int(last) - 1
 
 
-def _may_meet(ego: Track, person: Track, range_m: float) -> bool:
+def come_within(ego: Track, person: Track, distance_m: float) -> bool:
+    """Return whether the centres of an ego and a pedestrian come as near as this at one instant [m]."""
     first, last = max(ego.first, person.first), min(ego.last, person.last)
     if first > last:
         return False
     a, b = _slice(ego, first, last), _slice(person, first, last)
     apart = np.hypot(ego.x[a] - person.x[b], ego.y[a] - person.y[b])
-    return bool(apart.min() <= 2.0 * range_m)
+    return bool(apart.min() <= distance_m)
 
 
 def _of_pair(
@@ -192,9 +193,9 @@ def _of_contacts(
     left = near.copy()
     for one in known:
         left[max(one.first - first, 0) : one.last - first + 1] = False
-    touch = left & _may_touch(ego, person, first, len(left))
-    for begin, end in stretches(left):
-        if not touch[begin : end + 1].any():
+    touch = _may_touch(ego, person, first + np.flatnonzero(left)) - first
+    for begin, end in stretches(left) if len(touch) else ():
+        if not ((begin <= touch) & (touch <= end)).any():
             continue
         stretch = first + begin, first + end
         own = stretch[0] - ego.first, stretch[1] - ego.first
@@ -205,12 +206,12 @@ def _of_contacts(
             yield _make(ego, person, *stretch, area, around)
 
 
-def _may_touch(ego: Track, person: Track, first: int, count: int) -> BoolArray:
-    """Return whether the two touch at each of the samples, or may do so until the next one."""
-    own, other = _slice(ego, first, first + count - 1), _slice(person, first, first + count - 1)
+def _may_touch(ego: Track, person: Track, samples: IntArray) -> IntArray:
+    """Return at which of the samples the two touch, or may do so until the next one."""
+    own, other = samples - ego.first, samples - person.first
     x, y = to_frame(person.x[other] - ego.x[own], person.y[other] - ego.y[own], ego.heading[own])
     apart = clearance(x, y, 0.5 * ego.length, 0.5 * ego.width, 0.5 * person.width)
-    return np.asarray(apart <= ego.largest_shift + person.largest_step)
+    return samples[apart <= ego.largest_shift + person.largest_step]
 
 
 def _same(one: Encounter, other: Encounter) -> bool:

@@ -16,6 +16,7 @@ import numpy as np
 from analysis.encounters.case import Case, Values
 from analysis.encounters.crossing_walks import after_earlier_walk
 from analysis.encounters.crossing_walks import delay as delay_of_walk
+from analysis.encounters.finding import place_in_run
 from analysis.encounters.hcm import level_of_service
 from analysis.encounters.moments import crossing_stay, phase_samples
 from analysis.encounters.whole_run import WholeRun
@@ -46,24 +47,27 @@ def compute(case: Case) -> Values:
 
 
 def collect_encounters(case: Case) -> Values:
-    """Return who walked over which crossing in each encounter, since when, and the delay."""
+    """Return when the walk of each encounter began, by the encounter's place in the run."""
     return {
-        "walks": [
-            (one.person.name, one.crossing_id, float(case.grid.time[one.person.first + stay[0]]), delay)
-            for one, delay in zip(case.encounters, compute(case)["ped_delay_s"].tolist(), strict=True)
-            if delay == delay and (stay := crossing_stay(case, one)) is not None
+        "began": [
+            (place_in_run(one), float(case.grid.time[one.person.first + stay[0]]))
+            for one in case.encounters
+            if (stay := crossing_stay(case, one)) is not None
         ]
     }
 
 
 def summarise(whole: WholeRun, columns: Values) -> Values:
     """Return mean and 95th percentile over persons and crossings, and the level of service."""
+    values, began = np.asarray(columns["ped_delay_s"]), dict(columns["began"])
     last: dict[tuple[str, str], tuple[float, float]] = {}
-    for person, crossing, began, delay in columns["walks"]:
-        last[person, crossing] = max(last.get((person, crossing), (-np.inf, 0.0)), (began, delay))
+    for one, value in zip(whole.encounters, values.tolist(), strict=True):
+        if value == value:
+            key = one.person_id, one.crossing_id
+            last[key] = max(last.get(key, (-np.inf, 0.0)), (began[one.place], value))
     if not last:
         return {"n_ped_delay_defined": 0}
-    known = np.array([last[key][1] for key in sorted(last)])
+    known = np.array([value for _, value in last.values()])
     mean = float(known.mean())
     return {
         "n_ped_delay_defined": len(known),

@@ -9,10 +9,9 @@ import numpy as np
 
 from analysis.encounters.case import Case, prepare
 from analysis.encounters.contacts import Contact
+from analysis.encounters.finding import come_within
 from analysis.metrics import preventable_r157
 from analysis.recording.reading import read_run
-from analysis.recording.tracks import Track
-from analysis.thresholds import Thresholds
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,18 +73,15 @@ def measure(folder: Path) -> Measured:
         stopped=len(stops) > 0,
         largest_deceleration=float(case.steps.deceleration.max(initial=0.0)),
         preventable=_preventable(case),
-        near=any(_near(ego, person, case.thresholds) for ego in case.egos for person in case.persons),
+        near=any(
+            come_within(ego, person, case.thresholds.encounter_range_m)
+            for ego in case.egos
+            for person in case.persons
+        ),
         walked=any(
             (person.speed > case.thresholds.pedestrian_standing_speed_mps).any() for person in case.persons
         ),
     )
-
-
-def _near(ego: Track, person: Track, limits: Thresholds) -> bool:
-    first, last = max(ego.first, person.first), min(ego.last, person.last)
-    own, other = (slice(first - one.first, max(last - one.first + 1, 0)) for one in (ego, person))
-    apart = np.hypot(ego.x[own] - person.x[other], ego.y[own] - person.y[other])
-    return bool((apart <= limits.encounter_range_m).any())
 
 
 def _impact(case: Case, contact: Contact) -> Impact:

@@ -97,7 +97,12 @@ def decide(measured: Measured, demand: Demand) -> Verdict:
 
 
 def compared(verdict: Verdict, standard: Verdict) -> Verdict:
-    """Return the verdict of rule ``no_worse``, compared with the verdict on the standard case."""
+    """Return the verdict of rule ``no_worse``, compared with the verdict on the standard case.
+
+    Without a test in either case, there is nothing to compare.
+    """
+    if not (verdict.colour and standard.colour):
+        return verdict
     passed = not colours.worse(verdict.colour, standard.colour)
     note = "" if passed else f"{verdict.colour}, in the standard case {standard.colour}"
     return replace(verdict, passed=passed, note=note)

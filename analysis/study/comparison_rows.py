@@ -171,14 +171,22 @@ def _seeds_needed(base_mean: float | None, deviation: float | None) -> int | Non
     return replications_needed(base_mean, deviation)
 
 
+def moved(row: Row) -> str:
+    """Return whether a mean got ``higher`` or ``lower``; empty if it did not, or if the interval holds 0.
+
+    Ranks may move the other way than the mean, so a small p is not enough.
+    """
+    difference, low, high = row["diff_mean"], row["ci95_lo"], row["ci95_hi"]
+    if not difference or (low is not None and low <= 0.0 <= high):
+        return ""
+    return "higher" if difference > 0.0 else "lower"
+
+
 def _verdict(row: Row) -> str:
     """Return the verdict; a difference needs a corrected p below 0.05, and an interval that agrees."""
-    difference, low, high = row["diff_mean"], row["ci95_lo"], row["ci95_hi"]
-    if not row["significant_05"] or not difference:
+    direction = moved(row)
+    if not row["significant_05"] or not direction:
         return "no_difference_shown"
-    if low is not None and low <= 0.0 <= high:
-        return "no_difference_shown"
-    direction = "higher" if difference > 0.0 else "lower"
     if row["worse"] == "neither":
         return direction
     return "worse" if direction == row["worse"] else "better"

@@ -8,7 +8,7 @@ from typing import Any
 
 from analysis.results.measures import Measure
 from analysis.statistics.paired import holm
-from analysis.study.comparison_rows import compare_labels
+from analysis.study.comparison_rows import compare_labels, moved
 from analysis.study.design import Condition, Study
 from analysis.study.runs import StudyRun
 
@@ -48,7 +48,7 @@ def regression_rows(
     number = sum(p is not None for p in corrected)
     for row, p in zip(rows, corrected, strict=True):
         row["p_holm"], row["n_family"] = p, number
-        row["worse_now"] = p is not None and p < level and _moved_badly(row)
+        row["worse_now"] = p is not None and p < level and moved(row) == row["worse"]
     return groups
 
 
@@ -61,10 +61,3 @@ def _compared(pairing: Pairing, measures: Sequence[Measure]) -> list[dict[str, A
     )
     study = Study(runs, (condition,), {THEN: THEN, NOW: NOW})
     return compare_labels(study, [condition], THEN, NOW, measures)
-
-
-def _moved_badly(row: dict[str, Any]) -> bool:
-    difference, low, high = row["diff_mean"], row["ci95_lo"], row["ci95_hi"]
-    if low is not None and low <= 0.0 <= high:
-        return False
-    return bool(difference > 0.0 if row["worse"] == "higher" else difference < 0.0)

@@ -272,6 +272,8 @@ def _away(
     where = x[None], y[None], heading[None]
     places = (values[:, None] for values in (obstacles.x, obstacles.y, obstacles.kept))
     away = disc_clearances(*where, ego.body, *places)[0].min(axis=1, initial=CROWDED)
+    if not len(obstacles.kept_to_boxes):
+        return np.asarray(away)
     close = _close(ego.body, x, y, heading, obstacles)
     poses, boxes = close.any(axis=1), close.any(axis=0)
     if poses.any():

@@ -74,7 +74,6 @@ def judge_results(results: Results) -> list[Finding]:
     for place, runs in _studies(folder).items():
         study = _read(runs)
         by_configuration = _made(study, place, folder)
-        _add_missing(by_configuration, place)
         rows = cells(CONFIGS, list(configuration_rows(study)), number="{:.6g}".format)
         statistics = {
             (row["config_id"], row["metric"], row["kind"]): row
@@ -159,7 +158,7 @@ def _read(folders: Sequence[Path]) -> Study:
 
 
 def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
-    """Return the runs of each configuration, including those that failed in a batch."""
+    """Return the runs of each configuration, including those that failed in a batch or were never made."""
     found: dict[_Key, list[Made]] = {}
     labels: dict[object, str] = {}
     for run in study.runs:
@@ -195,6 +194,7 @@ def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
             {"place": failure.get("place")},
         )
         found.setdefault((scenario, controller, label), []).append(lost)
+    _add_missing(found, place)
     return {key: sorted(made, key=lambda one: one.seed) for key, made in found.items()}
 
 

@@ -356,8 +356,8 @@ class SumoWorld:
         there, departed = self._present.vehicles, self._departed.vehicles
         # In a long step, a vehicle may depart and leave again.
         chosen = [name for name in self._to_take if name in there]
-        # Recorded vehicles go where they went; nobody else can drive them.
-        if others := [name for name in departed if name not in self._recorded.names]:
+        recorded = self._recorded.names  # they go where they went; nobody else can drive them
+        if others := [name for name in departed if name not in recorded]:
             chosen += self._sources.choose(self._sumo, others, self._time)
         self._to_take = []
         for name in chosen:

@@ -36,6 +36,8 @@ def test_a_test_that_did_not_take_place_is_not_passed(rule: str) -> None:
         assert (verdict.passed, verdict.counts, verdict.colour) == (False, True, "")
         assert verdict.points in (0.0, None)
         assert verdict.note.startswith("no test: ")
+        assert compared(verdict, verdict) == compared(verdict, decide(measured(), Demand("green", 40.0)))
+        assert not compared(verdict, verdict).passed
     # Who stands in the way, or walks along it, need not set off.
     assert decide(measured(walked=False), Demand(rule, 40.0, in_view=True)).passed
     assert not decide(measured(near=False), Demand(rule, 40.0, in_view=True)).passed
