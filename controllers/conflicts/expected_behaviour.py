@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray
+from controllers.driving.keep_clear import waiting_places
 from controllers.driving.standing import STANDING as EGO_STANDING
 from controllers.interface import Crossing, CrossingKind, EgoState, Perception, RoadAhead
 from controllers.prediction.forecast import Forecast
@@ -47,6 +48,9 @@ class PedestrianAssumptions:
     """The ego counts as waiting for people up to this far ahead of its rear axle [m]."""
     waiting_ahead: float = 11.0
     """An ego longer than a car waits for people up to this far ahead of its front bumper [m]."""
+    waiting_near: float = 3.0
+    """An ego that stands this near to where it has to stop for a crossing waits for people there, however far
+    away they are [m]."""
     courtesy: float = 0.0
     """Before a crossing without priority, an ego that has come to rest lets people who stand at its end go
     first, until they have not stepped onto it for this long [s]."""
@@ -80,7 +84,7 @@ class Watch:
         waited: dict[str, float] = {}
         declined: dict[str, float] = {}
         at_rest = passed if ego.speed < EGO_STANDING else 0.0
-        road, within = perception.road, max(assume.waiting_within, ego.body.front + assume.waiting_ahead)
+        road, waits_for = perception.road, _waits_for(perception, assume)
         at_red, at_green = set[str](), set[str]()
         for number, crossing in enumerate(road.crossings):
             if crossing.pedestrians_have_green is not None:
@@ -90,21 +94,18 @@ class Watch:
         movements = zip(
             people.names,
             people.across.tolist(),
-            people.along.tolist(),
             people.along_speed.tolist(),
             people.across_speed.tolist(),
             strict=True,
         )
-        for name, where, at, along, across in movements:
+        for name, where, along, across in movements:
             if abs(across) > assume.standing_below:
                 self.heading[name] = math.copysign(1.0, across)
                 if road.right_edge < where < road.left_edge:
                     self.pace[name] = max(abs(across), self.pace.get(name, 0.0))
             if math.hypot(along, across) <= assume.standing_below:
-                before = ego.speed < assume.waiting_below and at < within
-                waits = passed if before else 0.0
                 before_that = 0.0 if name in turned_green else self.waited.get(name, 0.0)
-                waited[name] = before_that + waits
+                waited[name] = before_that + (passed if name in waits_for else 0.0)
                 declined[name] = self.declined.get(name, 0.0) + at_rest
         self.waited, self.declined = waited, declined
         self.longest_wait = max(waited.values(), default=0.0)
@@ -136,6 +137,18 @@ class Watch:
         before = ego.speed < assume.waiting_below and ego.body.front < crossing.entry
         unmarked = crossing.kind is CrossingKind.UNMARKED
         return before and unmarked and self.declined.get(name, 0.0) < assume.courtesy
+
+
+def _waits_for(perception: Perception, assume: PedestrianAssumptions) -> set[str]:
+    """Return the names of those before whom the ego waits, if they stand."""
+    ego, people = perception.ego, perception.pedestrians
+    if ego.speed >= assume.waiting_below or not len(people):
+        return set()
+    within = max(assume.waiting_within, ego.body.front + assume.waiting_ahead)
+    near = ego.body.front + assume.waiting_near
+    at = np.array([place < near for place in waiting_places(perception)] + [False])
+    before = (people.along < within) | at[people.crossing]  # the last is for -1, no crossing of the ego's
+    return {people.names[i] for i in np.flatnonzero(before)}
 
 
 class Expectation(NamedTuple):

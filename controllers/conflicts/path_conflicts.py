@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray, IntArray
 from controllers.conflicts.band_overlap import sampled_overlap, speed_across, straight_overlap
@@ -47,7 +48,8 @@ class Conflicts:
     enter: FloatArray
     """Time until the overlap begins; 0 while it lasts [s]."""
     leave: FloatArray
-    """Time until the overlap ends; inf for pedestrians who stay [s]."""
+    """Time until the overlap ends; inf for pedestrians who stay, and for those who stand and are only assumed
+    to set off [s]."""
     stop_line: FloatArray
     """Place where the front bumper should stop if the ego yields; inf without a crossing [m]."""
     forecast: Forecast | None = None
@@ -126,6 +128,8 @@ def find(
     if forecast is not None:
         forecast = _with_assumptions(forecast, people, known)
     across_speed, enter, leave = _times_in_band(people, known, band, side_margin, forecast, clearance)
+    # Those who may set off at any time may also leave at any time: nothing can be planned for after them.
+    leave = np.where(known.assumed & _stand(people, assume), np.inf, leave)
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
     # they would come first, and the ego could let nobody ahead pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
@@ -178,6 +182,11 @@ def _times_in_band(
         enter = np.where(known.enters, enter, np.where(clearance < occupied, 0.0, np.inf))
         leave = np.where(known.enters, leave, np.inf)
     return across_speed, enter, leave
+
+
+def _stand(people: Pedestrians, assume: PedestrianAssumptions) -> NDArray[np.bool_]:
+    """Return who stands, shape (n,)."""
+    return np.asarray(np.hypot(people.along_speed, people.across_speed) < assume.standing_below)
 
 
 def _with_assumptions(forecast: Forecast, people: Pedestrians, known: Expectation) -> Forecast:

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray, IntArray
-from controllers.interface import Crossing, Perception
+from controllers.interface import Body, Crossing, Perception
 
 STANDS_FOR = 1.0
 """An ego that would stand on a crossing for longer than this stops before it [s]."""
 KEEP_CLEAR_BRAKING = 2.5
 """The ego keeps a crossing clear if braking no harder than this is enough [m/s^2]."""
+ROOM_BEYOND = 0.5
+"""Distance between the rear bumper and a crossing that is clear [m]."""
 AT_THE_LINE = 0.5
 """An ego that stops this far beyond the stop line has still stopped at it [m]."""
 BEGUN = 4.0
@@ -74,6 +76,27 @@ def keep_clear_of_people(
     return float("inf")
 
 
+def waiting_places(perception: Perception) -> list[float]:
+    """Return where the front bumper waits for people at each crossing [m].
+
+    This is before its stop line, or before that of an earlier crossing on which the body would stand.
+    """
+    body, found = perception.ego.body, list[float]()
+    for number, crossing in enumerate(perception.road.crossings):
+        place = crossing.stop_line
+        for earlier, its_place in zip(perception.road.crossings[:number][::-1], found[::-1], strict=True):
+            if body.front <= earlier.entry and place < _beyond(earlier, body):
+                place = its_place
+                break
+        found.append(place)
+    return found
+
+
+def _beyond(crossing: Crossing, body: Body) -> float:
+    """Return from where on the front bumper leaves room for the whole body beyond a crossing [m]."""
+    return crossing.exit + body.length + ROOM_BEYOND
+
+
 def _waits_for_others(perception: Perception) -> NDArray[np.bool_]:
     """Return who waits for lights, or for a crossing that the ego does not come to, shape (n,).
 
@@ -99,4 +122,4 @@ def _avoidable(perception: Perception, begun: Container[str]) -> Iterator[tuple[
         room = line - body.front if past else max(line - body.front, 0.0) + AT_THE_LINE
         braking = BEGUN if crossing.name in begun else KEEP_CLEAR_BRAKING
         if ego.speed**2 / (2.0 * braking) + 0.3 * ego.speed <= room:
-            yield crossing, line, crossing.exit + body.length + 0.5
+            yield crossing, line, _beyond(crossing, body)

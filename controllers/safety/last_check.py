@@ -66,9 +66,9 @@ URGENT = (3.5, 4.5, 5.5, 6.5, 8.0)
 """Decelerations that are tried; if ``MILD`` is enough, braking is left to the plan [m/s^2]."""
 TIGHT, BENDS_WITHIN = 1.0 / 15.0, 20.0
 """Curvature of a bend in which the body leaves its lane [1/m], and distance within which bends count [m]."""
-MILD, SOON = 3.0, 0.7
-"""If this deceleration is enough, braking is left to the plan [m/s^2], unless the contact is nearer in time
-than this: a slow ego could stop before it, but its plan would not [s]."""
+MILD, SOON = 3.0, 0.6
+"""If this deceleration is enough, braking is left to the plan [m/s^2], unless the contact comes before the
+next plan or soon after it: a slow ego could stop before it, but its plan would not [s]."""
 
 
 @dataclass(slots=True)
@@ -137,20 +137,19 @@ class LastCheck:
                 return replace(plan, command=out, status=WAY_OUT)
         if not touched:
             return plan
-        tried = np.array((MILD, *URGENT))
+        limit = perception.ego.drive.max_deceleration
+        tried = np.minimum((MILD, *URGENT), limit)
         slower = braked(perception, tried, times)
         touches = _touches(_clearances(perception, people, cars, path, slower), slower, margin)
         # The plan does not brake for people beside the body, so braking for them is not left to it.
-        latest = np.full(len(margin), SOON)
+        latest = np.full(len(margin), SOON + perception.ego.plan_interval)
         latest[: len(near)][_beside(perception)[near]] += speed / MILD
         if not (touches[0] or starts or _touches_before(latest, times, clearance, motion, margin)):
             return plan
-        limit = perception.ego.drive.max_deceleration
         if starts or not touches.all():
-            enough = tried[-1] if touches.all() else tried[int(np.argmin(touches))]
-            return _braking(plan, min(float(enough), limit))
+            return _braking(plan, float(tried[-1] if touches.all() else tried[int(np.argmin(touches))]))
         chosen = _farthest_away(perception, near, people, cars, path, times, motion, slower)
-        brakings = (_braking(plan, min(float(one), limit)) for one in tried)
+        brakings = (_braking(plan, float(one)) for one in tried)
         return (plan, _passing_first(plan), *brakings)[chosen]
 
 

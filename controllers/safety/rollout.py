@@ -133,7 +133,8 @@ def braked(perception: Perception, braking: FloatArray, times: FloatArray) -> Mo
     reached = wanted + (ego.acceleration - wanted) * np.exp(-times[:, None] / LAG)
     step = np.diff(times, prepend=0.0)[:, None]
     speed = np.maximum(ego.speed + np.cumsum(step * reached, axis=0), 0.0)
-    speed = np.where(np.minimum.accumulate(speed, axis=0) <= 0.0, 0.0, speed)
+    # Whoever brakes to a standstill stays there.
+    speed = np.where((np.minimum.accumulate(speed, axis=0) <= 0.0) & (wanted <= 0.0), 0.0, speed)
     before = np.concatenate((np.full((1, speed.shape[1]), ego.speed), speed[:-1]))
     return Motion(np.cumsum(step * 0.5 * (before + speed), axis=0), speed)
 

@@ -36,7 +36,7 @@ LET_GO = 1.0
 """The waiting time starts anew after this long without anybody who keeps the ego from starting [s]."""
 SPEED, ACCELERATION, BRAKING = 0.8, 0.5, 1.5
 """Speed, acceleration and deceleration on the way out [m/s, m/s^2]."""
-PAST, CLOSE = 0.35, 0.35
+PAST, CLOSE = 0.35, 0.55
 """Speed past people nearer than this distance, so that who steps out meets a standing car [m/s, m]."""
 INCHING, APART = 0.09, 0.01
 """Speed while somebody leans on the car, so low that it counts as standing; people nearer than this distance

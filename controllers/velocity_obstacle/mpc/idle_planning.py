@@ -9,7 +9,7 @@ a new plan is made in that very step.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -64,6 +64,14 @@ class _Made(NamedTuple):
     lights: tuple[tuple[str, SignalState], ...]
 
 
+class ChangesOnRequest(Controller, Protocol):
+    """Controller that changes lanes on request."""
+
+    def begin_change(self, perception: Perception, side: int) -> bool:
+        """Begin a change: 1 left, -1 right; return whether it begins."""
+        ...
+
+
 @dataclass(slots=True)
 class Unhurried:
     """Controller that lets a driver plan, but not at every step while nothing can change the plan.
@@ -75,10 +83,15 @@ class Unhurried:
     by_velocity : whether pedestrians are expected to keep their velocities; otherwise all of them matter
     """
 
-    driver: Controller
+    driver: ChangesOnRequest
     interval: float
     by_velocity: bool = True
     _last: _Made | None = None
+
+    def begin_change(self, perception: Perception, side: int) -> bool:
+        """Begin a lane change requested from outside, as the driver does; its plan is made at once."""
+        self._last = None
+        return self.driver.begin_change(perception, side)
 
     def decide(self, perception: Perception) -> Decision:
         """Return the last decision while it is still valid, a new one otherwise."""
