@@ -145,6 +145,45 @@ def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_they_
     assert len(found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
 
 
+def test_who_stands_and_may_set_off_at_any_time_may_leave_at_any_time() -> None:
+    stands = found_among([], on_zebra([Walker(30.0, -5.0, 0.0, 0.0, 0, waiting=True)]))
+    assert np.isfinite(stands.enter).all()
+    assert np.isposinf(stands.leave).all()
+    walks = found_among([], on_zebra([Walker(30.0, -5.0, 0.0, 1.2, 0, waiting=True)]))
+    assert np.isfinite(walks.leave).all()
+
+
+@pytest.mark.parametrize(
+    ("line", "before", "waits"),
+    [(FRONT + 2.0, 12.0, True), (FRONT + 2.0, 9.0, True), (FRONT + 6.0, 12.0, False)],
+)
+def test_an_ego_waits_where_it_has_to_stop_for_a_crossing_however_wide_that_is(
+    line: float, before: float, waits: bool
+) -> None:
+    """Zebras are up to 8 m wide, and their lines up to 8 m before them."""
+    watch, assume = Watch(), PedestrianAssumptions()
+    crossing = replace(zebra(line + before), stop_line=line)
+    stands = Walker(line + before + 3.0, -3.0, crossing=0, waiting=True)
+    for time in range(5):
+        seen = perception(ego(0.0, time=float(time)), walkers=[stands], crossings=[crossing])
+        known = expected(seen, watch, assume, None)
+    assert stands.along > assume.waiting_within
+    assert known.lets_go.all() == waits
+
+
+@pytest.mark.parametrize(("between", "waits"), [(3.0, True), (8.0, False)])
+def test_an_ego_without_room_between_two_crossings_waits_before_the_first_for_people_at_the_second(
+    between: float, waits: bool
+) -> None:
+    watch, assume = Watch(), PedestrianAssumptions()
+    first, second = zebra(FRONT + 2.0, width=4.0), zebra(FRONT + 6.0 + between, width=8.0)
+    stands = Walker(second.exit - 1.0, -3.0, crossing=1, waiting=True)
+    for time in range(5):
+        seen = perception(ego(0.0, time=float(time)), walkers=[stands], crossings=[first, second])
+        known = expected(seen, watch, assume, None)
+    assert known.lets_go.all() == waits
+
+
 def test_who_has_waited_at_red_lets_nobody_go_first_at_green() -> None:
     """An ego that turns waits at the same red light; both may go now, and the pedestrian first."""
     watch, assume = Watch(), PedestrianAssumptions()

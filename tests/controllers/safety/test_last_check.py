@@ -24,7 +24,7 @@ from controllers.safety.rollout import (
     poses,
 )
 from cosim.step.toy_road import ToyCrossing, ToyRoad, walk
-from tests.controllers.scenes import Walker, bend, ego, keeps, perception, straight_road, zebra
+from tests.controllers.scenes import FRONT, Walker, bend, ego, keeps, perception, straight_road, zebra
 from tests.controllers.toy_runs import ride
 
 BODY = Body()
@@ -71,6 +71,24 @@ def test_no_more_braking_is_asked_for_than_the_car_has() -> None:
         checked = LastCheck().checked(seen, keeps(10.0), np.array([False]))
         assert checked.status == SHIELDED
         assert set(checked.command.acceleration) == {-4.0}
+
+
+def test_braking_that_the_car_does_not_have_is_no_way_to_stop_before_somebody() -> None:
+    """Braked at 8 m/s^2, the ego stops before them, at 4 m/s^2 beside them; a little faster, it is past."""
+    for strongest, asked in ((8.0, -8.0), (4.0, PASSING_ACCELERATION)):
+        state = replace(ego(speed=6.0), drive=replace(ego().drive, max_deceleration=strongest))
+        seen = perception(state, straight_road(), [Walker(6.0, -2.5, 0.0, 1.0)])
+        checked = LastCheck().checked(seen, keeps(6.0), np.array([True]))
+        assert checked.status == SHIELDED
+        assert set(checked.command.acceleration) == {asked}
+
+
+@pytest.mark.parametrize(("interval", "status"), [(0.1, "ok"), (1.0, SHIELDED)])
+def test_braking_is_left_to_the_plan_only_if_it_can_still_be_done_at_the_next_plan(
+    interval: float, status: str
+) -> None:
+    seen = perception(ego(5.0, plan_interval=interval), straight_road(), [Walker(FRONT + 6.85, 0.0)])
+    assert LastCheck().checked(seen, keeps(5.0), np.array([False])).status == status
 
 
 def test_how_somebody_sets_off_is_known_better_than_any_forecast_says() -> None:
@@ -247,6 +265,14 @@ def test_fallbacks_without_a_horizon_are_checked_too() -> None:
     assert plan.status == SHIELDED
     assert not plan.solved
     assert plan.command.acceleration[0] <= -3.5
+
+
+def test_a_fallback_with_which_a_standing_ego_would_start_is_checked_too() -> None:
+    command = Command(np.zeros(1), np.array([2.0]), np.zeros(1))
+    for ahead, status in ((1.0, SHIELDED), (20.0, "fallback")):
+        seen = perception(ego(speed=0.0), straight_road(), [Walker(FRONT + ahead, 0.0)])
+        plan = LastCheck().checked(seen, Plan(command, solved=False, status="fallback"), np.array([False]))
+        assert plan.status == status
 
 
 def test_the_front_corner_that_swings_out_in_a_tight_bend_is_seen() -> None:

@@ -9,9 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from controllers import catalog
-from controllers.interface import Perception, Signal, SignalState, StopSign
+from controllers.interface import Manoeuvre, Perception, Signal, SignalState, StopSign
+from controllers.velocity_obstacle.mpc.idle_planning import Unhurried
 from cosim.step.toy_road import Motion, ToyCrossing, ToyRoad, walk
 from cosim.step.toy_world import ToyWorld
+from tests.controllers.scenes import ego, perception, straight_road
 from tests.controllers.toy_runs import Ride, ride
 
 
@@ -122,3 +124,15 @@ def test_a_stop_sign_ahead_is_planned_for_at_every_step() -> None:
 def test_an_interval_that_commands_do_not_last_for_is_refused(interval: float) -> None:
     with pytest.raises(ValueError, match="idle_interval_s"):
         catalog.build("vo_mpc", idle_interval_s=interval)
+
+
+def test_a_change_on_request_is_begun_and_planned_at_once() -> None:
+    driver = catalog.build("vo_mpc", idle_interval_s=0.5, lane_changes=False)
+    assert isinstance(driver, Unhurried)
+    seen = perception(ego(10.0), straight_road(2))
+    driver.plan(seen, driver.decide(seen))
+    later = replace(seen, ego=replace(seen.ego, time=0.1, x=1.0))
+    assert driver.begin_change(later, 1)
+    decision = driver.decide(later)
+    assert decision.manoeuvre is Manoeuvre.CHANGE_LEFT
+    assert len(driver.plan(later, decision).times)
