@@ -240,6 +240,11 @@ class Crossing:
     pedestrians_have_green: bool | None
     """``None`` where no signal controls it."""
 
+    @property
+    def gives_priority(self) -> bool:
+        """Whether pedestrians may go first: on a zebra, or at green."""
+        return self.kind is CrossingKind.ZEBRA or bool(self.pedestrians_have_green)
+
     def begins(self, across: float) -> float:
         """Return where the crossing begins for a pedestrian: across coordinate of the nearer end [m]."""
         return self.right if 2.0 * across < self.right + self.left else self.left

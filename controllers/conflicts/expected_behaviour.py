@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 from controllers.arrays import FloatArray
 from controllers.driving.keep_clear import waiting_places
 from controllers.driving.standing import STANDING as EGO_STANDING
-from controllers.interface import Crossing, CrossingKind, EgoState, Perception, RoadAhead
+from controllers.interface import Crossing, CrossingKind, EgoState, Pedestrians, Perception, RoadAhead
 from controllers.prediction.forecast import Forecast
 
+STAYED = 0.5
+"""Pedestrians whose velocity is only estimated still stand while no farther than this from where they stopped
+[m]."""
 THERE = 0.3
 """Waiting pedestrians nearer than this to where their crossing begins keep their velocity until they stand
 [m]."""
@@ -67,6 +70,8 @@ class Watch:
     down [m/s]."""
     waited: dict[str, float] = field(default_factory=dict)
     """How long the pedestrian has stood while the ego waited for them [s]."""
+    stopped_at: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Where in the world the pedestrian was first seen to stand [m]."""
     declined: dict[str, float] = field(default_factory=dict)
     """How long the pedestrian has stood while the ego was at rest [s]."""
     seen: float = -np.inf
@@ -91,24 +96,36 @@ class Watch:
                 there = at_green if crossing.pedestrians_have_green else at_red
                 there |= {people.names[i] for i in np.flatnonzero(people.crossing == number)}
         turned_green, self.at_red = self.at_red & at_green, at_red
-        movements = zip(
-            people.names,
-            people.across.tolist(),
-            people.along_speed.tolist(),
-            people.across_speed.tolist(),
-            strict=True,
-        )
-        for name, where, along, across in movements:
+        stand = self._standing(people, assume)
+        movements = zip(people.names, people.across.tolist(), people.across_speed.tolist(), strict=True)
+        for name, where, across in movements:
             if abs(across) > assume.standing_below:
                 self.heading[name] = math.copysign(1.0, across)
                 if road.right_edge < where < road.left_edge:
                     self.pace[name] = max(abs(across), self.pace.get(name, 0.0))
-            if math.hypot(along, across) <= assume.standing_below:
+            if name in stand:
                 before_that = 0.0 if name in turned_green else self.waited.get(name, 0.0)
                 waited[name] = before_that + (passed if name in waits_for else 0.0)
                 declined[name] = self.declined.get(name, 0.0) + at_rest
         self.waited, self.declined = waited, declined
         self.longest_wait = max(waited.values(), default=0.0)
+
+    def _standing(self, people: Pedestrians, assume: PedestrianAssumptions) -> dict[str, tuple[float, float]]:
+        """Return who stands, and where they stopped [m].
+
+        An estimated velocity is seldom near 0, even if they do not move at all.
+        """
+        stand = dict[str, tuple[float, float]]()
+        pace = np.hypot(people.along_speed, people.across_speed).tolist()
+        places = zip(people.names, pace, people.uncertainty.tolist(), people.position.tolist(), strict=True)
+        for name, speed, uncertainty, (x, y) in places:
+            before = self.stopped_at.get(name)
+            if uncertainty > 0.0 and before is not None and math.dist(before, (x, y)) <= STAYED:
+                stand[name] = before
+            elif speed <= assume.standing_below:
+                stand[name] = (x, y)
+        self.stopped_at = stand
+        return stand
 
     def carefully_past(self, perception: Perception, assume: PedestrianAssumptions) -> FloatArray:
         """Return the along coordinates of those who let the ego go first and should not be raced past [m]."""
@@ -260,8 +277,9 @@ def _movement(
     speed, road = person.across_speed, perception.road
     if person.on_crossing:
         # On the crossing itself, even those who let the ego go first may go on: the whole margin is kept.
-        if abs(speed) < assume.standing_below and person.name in watch.heading and not lets_go:
-            return watch.heading[person.name] * assume.resume_speed, _Why.COMES
+        heading = watch.heading.get(person.name, _unseen_heading(person))
+        if abs(speed) < assume.standing_below and heading and not lets_go:
+            return heading * assume.resume_speed, _Why.COMES
         return speed, _Why.GOES_ON
     if lets_go:
         return speed, _Why.STAYS
@@ -281,14 +299,23 @@ def _movement(
     return speed, _Why.GOES_ON
 
 
+def _unseen_heading(person: _Person) -> float:
+    """Return the way in which someone on a crossing will go who was never seen walking; 0 for neither.
+
+    If they have priority, they may be on their way into the lane.
+    """
+    crossing = person.crossing
+    has_priority = crossing is not None and crossing.gives_priority
+    return -math.copysign(1.0, person.across) if has_priority and abs(person.across) > person.reach else 0.0
+
+
 def _to_the_crossing(
     person: _Person, crossing: Crossing, may_go: bool, assume: PedestrianAssumptions
 ) -> tuple[float, _Why]:
     """Return the same as ``_movement`` for a pedestrian who is about to enter a crossing."""
     pace = math.hypot(person.along_speed, person.across_speed)
     stands = pace < assume.standing_below
-    has_priority = crossing.kind is CrossingKind.ZEBRA or bool(crossing.pedestrians_have_green)
-    if has_priority and (assume.yield_to_standing or not stands):
+    if crossing.gives_priority and (assume.yield_to_standing or not stands):
         # In the waiting area people still walk along the kerb: expect them to turn and cross.
         return math.copysign(max(pace, assume.resume_speed), -person.across), _Why.TURNS
     begins = crossing.begins(person.across)

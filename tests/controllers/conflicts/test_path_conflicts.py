@@ -141,8 +141,28 @@ def test_somebody_who_stops_on_the_crossing_is_expected_to_walk_on_the_way_they_
     assert watch.heading == {"person0": 1.0}
     standing = found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]), watch)
     assert standing.across_speed[0] == pytest.approx(1.2)
-    # Nothing is known of a new pedestrian, who is assumed to stay.
-    assert len(found_among([], on_zebra([Walker(30.0, -2.5, 0.0, 0.0, 0, True)]))) == 0
+
+
+@pytest.mark.parametrize(("kind", "towards"), [(CrossingKind.ZEBRA, 1.2), (CrossingKind.UNMARKED, None)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_who_stands_on_a_crossing_and_was_never_seen_walking_comes_if_they_have_priority(
+    kind: CrossingKind, towards: float | None, side: float
+) -> None:
+    found = found_among([], on_zebra([Walker(30.0, -2.5 * side, 0.0, 0.0, 0, True)], kind))
+    assert found.across_speed.tolist() == ([] if towards is None else [towards * side])
+
+
+@pytest.mark.parametrize(("drifts", "lets_go"), [(0.0, True), (0.3, False)])
+def test_who_stands_is_seen_to_although_velocities_are_only_estimated(drifts: float, lets_go: bool) -> None:
+    watch, noise = Watch(), np.random.default_rng(1)
+    for step in range(60):
+        slow = (noise.normal(size=2) * 0.2).tolist()
+        stands = Walker(FRONT + 5.0, -3.0, slow[0], slow[1], crossing=0, waiting=True)
+        seen = perception(ego(0.0, time=step / 10.0), walkers=[stands], crossings=[zebra(FRONT + 3.0)])
+        place = np.array([[drifts * step / 10.0, 0.0]]) + noise.normal(size=2) * 0.1
+        people = replace(seen.pedestrians, uncertainty=np.array([0.1]), position=place)
+        known = expected(replace(seen, pedestrians=people), watch, PedestrianAssumptions(), None)
+    assert known.lets_go.all() == lets_go
 
 
 def test_who_stands_and_may_set_off_at_any_time_may_leave_at_any_time() -> None:
