@@ -57,6 +57,9 @@ class PedestrianAssumptions:
     courtesy: float = 0.0
     """Before a crossing without priority, an ego that has come to rest lets people who stand at its end go
     first, until they have not stepped onto it for this long [s]."""
+    courteous_below: float = 1.5
+    """So does an ego that approaches such a crossing more slowly than this, which looks as if it stopped
+    [m/s]."""
 
 
 @dataclass(slots=True)
@@ -151,7 +154,7 @@ class Watch:
         People whose crossing has no priority wait for a vehicle that rolls towards it. They step out as soon
         as it has stopped, or has passed its line.
         """
-        before = ego.speed < assume.waiting_below and ego.body.front < crossing.entry
+        before = ego.speed < assume.courteous_below and ego.body.front < crossing.entry
         unmarked = crossing.kind is CrossingKind.UNMARKED
         return before and unmarked and self.declined.get(name, 0.0) < assume.courtesy
 
