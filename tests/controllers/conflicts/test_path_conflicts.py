@@ -257,9 +257,9 @@ def test_an_ego_at_rest_lets_those_who_stand_at_an_unmarked_crossing_go_first(ac
 
 def test_an_ego_that_rolls_to_its_line_stops_there_for_them_and_one_that_drives_does_not() -> None:
     watch = Watch()
-    rolling = [_standing_at_a_crossing(watch, 0.3, time / 2.0) for time in range(5)]
+    rolling = [_standing_at_a_crossing(watch, 1.4 - 0.3 * time, time / 2.0) for time in range(5)]
     assert rolling == [1.2] * 5
-    assert _standing_at_a_crossing(watch, 0.6, 2.5) == 0.0
+    assert _standing_at_a_crossing(watch, 1.6, 2.5) == 0.0
 
 
 def test_only_before_a_crossing_without_priority_does_the_ego_let_them_go_first() -> None:
