@@ -110,7 +110,7 @@ class SumoWorld:
                         f"the state of load-state is of {self._time:g} s; expected that time as begin, "
                         f"got {self._begin:g} s"
                     )
-                self._sources.check(self._sumo)
+                self._sources.check(self._sumo, prepared.demand)
                 self._calibrated = self._sumo.calibrator.getIDCount() > 0
                 self._limits = ChangedLimits(self._sumo, self._network)
                 self._departures = Departures(self._sumo)
