@@ -395,6 +395,6 @@ class SumoWorld:
 
     def _known_by(self, sensing: Sensing, seed: int) -> Knowledge:
         try:
-            return Knowledge(sensing, self._sumo, self._network, seed, self.step)
+            return Knowledge(sensing, self._sumo, self._network, seed, self.step, self._plan_every)
         except ValueError as error:
             raise InputError(f"sensing: {error}") from error
