@@ -82,7 +82,7 @@ class SumoWorld:
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         recorded = vehicles_file(scenario)
         self._recorded = RecordedVehicles(
-            {} if recorded is None else read_recorded_vehicles(recorded), prepared.begin_s
+            {} if recorded is None else read_recorded_vehicles(recorded), self._first
         )
         self._takeover = Takeover(self._network, drive)
         self._egos: dict[str, DrivenEgo] = {}
