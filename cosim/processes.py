@@ -88,22 +88,24 @@ def cores() -> int:
 
 
 @contextmanager
-def uninterrupted() -> Iterator[None]:
+def uninterrupted() -> Iterator[list[int]]:
     """Hold back Ctrl-C and SIGTERM until the end of this block; processes started meanwhile are not affected.
 
     An interrupt inside a lock, a queue or a future leaves it locked, or a thread that waits for it asleep for
     ever. Blocking the signals is not enough: a thread of a library may take them.
+
+    Yields the signals held back so far; those that the block removes from the list are never delivered.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals come to the main thread only
-        return
     held: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield held  # signals come to the main thread only
+        return
     before = {
         number: signal.signal(number, lambda came, frame: held.append(came))
         for number in (signal.SIGINT, signal.SIGTERM)
     }
     try:
-        yield
+        yield held
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

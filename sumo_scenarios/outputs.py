@@ -123,14 +123,15 @@ def _output_parameters(root: ElementTree.Element) -> Iterable[ElementTree.Elemen
 
 def _parsed_if_it_mentions(path: Path) -> ElementTree.Element | None:
     """Return the content of a file that may name others; large networks and demand seldom do."""
-    with _opened(path) as file:
+    with opened(path) as file:
         content = file.read()
     if _PLAIN.match(content) and not _MENTIONS.search(content):
         return None
     return ElementTree.fromstring(content)
 
 
-def _opened(path: Path) -> IO[bytes]:
+def opened(path: Path) -> IO[bytes]:
+    """Return a file open for reading, whether it is compressed or not."""
     with path.open("rb") as file:
         packed = file.read(2) == b"\x1f\x8b"
     return cast(IO[bytes], gzip.open(path, "rb")) if packed else path.open("rb")

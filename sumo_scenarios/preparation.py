@@ -40,6 +40,8 @@ class Prepared:
     """SHA-256 of every input file, by a name that is the same on every machine."""
     left_out: tuple[str, ...] = ()
     """SUMO outputs that the inputs name but that are not written."""
+    demand: tuple[Path, ...] = ()
+    """The files from which SUMO reads vehicles, with those that they include."""
 
 
 def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
@@ -77,7 +79,9 @@ def prepare(scenario: Scenario, seed: int, work_dir: Path) -> Prepared:
     inputs |= _hashes(work_dir, [*filled["routes"], *filled["additional"], *included])
     inputs |= _pedestrians(scenario) | _recorded_vehicles(scenario)
     left_out = tuple(dict.fromkeys(copies.left_out))
-    return Prepared((*options, *_run_options(scenario, seed)), net_file, scenario.begin_s, inputs, left_out)
+    demand = (*filled["routes"], *filled["additional"], *included)
+    options += _run_options(scenario, seed)
+    return Prepared(tuple(options), net_file, scenario.begin_s, inputs, left_out, demand)
 
 
 def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_dir: Path) -> Prepared:
@@ -99,7 +103,8 @@ def _prepare_configuration(scenario: Scenario, seed: int, sumocfg: Path, work_di
         inputs["types"] = sha256(types)
     inputs |= _recorded_vehicles(scenario)
     left_out += dict.fromkeys(copies.left_out)
-    return Prepared(options, configuration.net_file, scenario.begin_s, inputs, tuple(left_out))
+    demand = (*demand, *included)
+    return Prepared(options, configuration.net_file, scenario.begin_s, inputs, tuple(left_out), demand)
 
 
 def _hashes(folder: Path, files: Iterable[Path]) -> dict[str, str]:

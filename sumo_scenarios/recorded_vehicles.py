@@ -28,7 +28,7 @@ class RecordedVehicle:
     length: float
     width: float
     motion: FloatArray
-    """Time since the first step, x, y, heading and speed, shape (n, 5) [s, m, rad, m/s]."""
+    """Time since the end of the warm-up, x, y, heading and speed, shape (n, 5) [s, m, rad, m/s]."""
 
 
 def vehicles_file(scenario: Scenario) -> Path | None:

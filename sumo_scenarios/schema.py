@@ -172,7 +172,8 @@ class ScenarioTable(Table):
     types: str = ""
     """File of vTypes, relative to the scenario's folder, in place of the configuration's of the same ids."""
     recorded_vehicles: str = ""
-    """Vehicles that SUMO moves as they were recorded, relative to the scenario's folder."""
+    """Vehicles that SUMO moves as they were recorded, relative to the scenario's folder; time 0 is the end of
+    the warm-up."""
     rates: dict[str, RateTable] = {}
     """Rates that the demand files use as ``$name``, in 1/s."""
     times: dict[str, float] = {}

@@ -116,6 +116,13 @@ class Episode:
                 del self.agents[name]
         return outcomes
 
+    def await_agent(self) -> None:
+        """Without an agent, let SUMO drive on until the next ego gets one; there may be no further ego."""
+        while not self.agents and len(self._met) < self._most and not self._session.over:
+            self._session.act({})
+            self._advance()
+            self._plan()
+
     def close(self) -> None:
         """End the simulation."""
         self._session.close()

@@ -42,9 +42,12 @@ def request_of(
     if "ego_count" in there and not own:
         settings.setdefault("ego_count", str(egos))
     if not str(scenario).startswith("suite:"):
-        first = float(there.get("ego_first_depart_s") or 0.0)
-        headways = float(there.get("ego_headway_s") or 0.0) * (egos - 1)
-        settings.setdefault("duration_s", repr(warmup_s + first + headways + time_limit_s + SLACK_S))
+        first, headway = (
+            _seconds(name, settings.get(name, there.get(name) or 0.0))
+            for name in ("ego_first_depart_s", "ego_headway_s")
+        )
+        needed = warmup_s + first + headway * (egos - 1) + time_limit_s + SLACK_S
+        settings.setdefault("duration_s", repr(needed))
 
     def made(seed: int) -> RunRequest:
         return RunRequest(

@@ -88,7 +88,7 @@ class ParallelCrossingEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[m
         dict[str, bool],
         dict[str, dict[str, Any]],
     ]:
-        """Drive on until the next plans are due.
+        """Drive on until the next plans are due; if no agent is left, until the next ego appears.
 
         Raises
         ------
@@ -102,6 +102,7 @@ class ParallelCrossingEnv(ParallelEnv[str, Observation, Any]):  # type: ignore[m
             raise InputError(f"no action for {missing[0]}; expected one for each of {', '.join(self.agents)}")
         self._episode.command({self._egos[name]: actions[name] for name in self.agents})
         outcomes = self._episode.go_on()
+        self._episode.await_agent()
         found: dict[str, Outcome] = {name: outcomes[self._egos[name]] for name in self.agents}
         observations = {name: one.observation for name, one in found.items()}
         self.agents = self._names()

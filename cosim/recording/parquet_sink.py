@@ -14,6 +14,8 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from cosim.processes import uninterrupted
+
 Column = Sequence[Any] | NDArray[np.float64]
 
 PART = ".part"
@@ -42,7 +44,8 @@ class ParquetSink:
         self._part = path.with_name(path.name + PART)
         self._schema = schema
         self._rows_per_chunk = rows_per_chunk
-        self._pieces: list[list[Column]] = [[] for _ in schema]
+        self._blocks: list[Sequence[Column]] = []
+        """Rows to write, as columns; an interrupt finds a block added or not, never half of it."""
         self._rows: list[Sequence[Any]] = []
         self._waiting = 0
         self._in_chunk = 0
@@ -76,10 +79,13 @@ class ParquetSink:
             raise ValueError(f"{self._path.name}: expected columns of one length, got {lengths}")
         if count == 0:
             return
-        self._add_pieces()
-        for pieces, column in zip(self._pieces, columns, strict=True):
-            # The caller may overwrite the array before it is written.
-            pieces.append(column.copy() if isinstance(column, np.ndarray) else column)
+        if self._rows:
+            with uninterrupted():
+                self._add_block_of_rows()
+        # The caller may overwrite the array before it is written.
+        self._blocks.append(
+            [column.copy() if isinstance(column, np.ndarray) else column for column in columns]
+        )
         self._count(count)
 
     def close(self) -> None:
@@ -94,15 +100,16 @@ class ParquetSink:
         """
         if not self._open:
             return
-        self._open = False
-        try:
+        with uninterrupted():
+            self._open = False
+            try:
+                if self._whole:
+                    self._flush()
+            finally:
+                with closing(self._file):
+                    self._stream.close()
             if self._whole:
-                self._flush()
-        finally:
-            with closing(self._file):
-                self._stream.close()
-        if self._whole:
-            _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk, self._batches)
+                _convert(self._part, self._path, self._chunk_ends, self._rows_per_chunk, self._batches)
 
     def _check_width(self, width: int) -> None:
         if width != len(self._schema):
@@ -112,23 +119,26 @@ class ParquetSink:
         self._waiting += rows
         self._in_chunk += rows
         if self._in_chunk >= self._rows_per_chunk:
-            self._flush()
-            self._chunk_ends.append(self._batches)
-            self._in_chunk = 0
+            with uninterrupted():
+                self._flush()
+                self._chunk_ends.append(self._batches)
+                self._in_chunk = 0
         elif self._waiting * AT_RISK >= self._rows_per_chunk:
-            self._flush()
+            with uninterrupted():
+                self._flush()
 
-    def _add_pieces(self) -> None:
+    def _add_block_of_rows(self) -> None:
         """Turn the rows that were added one by one into columns."""
-        for pieces, column in zip(self._pieces, zip(*self._rows, strict=True), strict=False):
-            pieces.append(column)
-        self._rows = []
+        if self._rows:
+            self._blocks.append(list(zip(*self._rows, strict=True)))
+            self._rows = []
 
     def _flush(self) -> None:
-        if self._waiting == 0:
+        self._add_block_of_rows()
+        if not self._blocks:
             return
-        self._add_pieces()
-        pieces, self._pieces = self._pieces, [[] for _ in self._schema]
+        pieces = list(zip(*self._blocks, strict=True))
+        self._blocks = []
         self._waiting = 0
         self._write([_array(column, field.type) for column, field in zip(pieces, self._schema, strict=True)])
         self._batches += 1

@@ -11,6 +11,7 @@ from types import TracebackType
 from analysis.files import write_json
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, SENSING, TIMING, TRAFFIC
 from controllers.interface import Decision, Perception, Plan
+from cosim.processes import uninterrupted
 from cosim.recording.rows import PlannedEgo, SteppedEgo, SteppedObjects, map_entry
 from cosim.recording.table_writer import TableWriter
 from cosim.step.loop import ToWorld
@@ -114,13 +115,17 @@ class Recorder:
         write_json(self._folder / "map.json", {"areas": [map_entry(area) for area in areas]})
 
     def close(self) -> None:
-        """Write the last rows of every file, even if one of the files cannot be written."""
+        """Write the last rows of every file, even if one cannot be written; interrupts wait until then."""
         errors: list[OSError | MemoryError] = []
-        for table in (self._egos, self._neighbours, self._traffic, self._plans, self._timing, self._sensing):
-            try:
-                if table is not None:
-                    table.close()
-            except (OSError, MemoryError) as error:
-                errors.append(error)
+        with uninterrupted():
+            for table in (
+                *(self._egos, self._neighbours, self._traffic),
+                *(self._plans, self._timing, self._sensing),
+            ):
+                try:
+                    if table is not None:
+                        table.close()
+                except (OSError, MemoryError) as error:
+                    errors.append(error)
         if errors:
             raise errors[0]

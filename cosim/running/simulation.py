@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -17,6 +17,7 @@ from analysis.recording.columns import SCHEMA_VERSION
 from analysis.recording.extent import EVERYBODY
 from analysis.sealing import seal_recording
 from cosim.errors import CosimError, InputError, SimulationError, reason_of
+from cosim.processes import uninterrupted
 from cosim.recording import folders, provenance
 from cosim.recording.parquet_sink import PART, recover
 from cosim.recording.recorder import Recorder
@@ -80,7 +81,8 @@ def run(
         folder = folders.create(request.out, inputs.scenario, inputs.controller, inputs.seed)
         begun(folder)
         try:
-            return _simulate(composition, folder, progress)
+            with ExitStack() as last:
+                return _simulate(composition, folder, progress, last)
         except InputError:
             folders.discard(folder)
             raise
@@ -88,7 +90,11 @@ def run(
         composition.close()
 
 
-def _simulate(composition: Composition, folder: Path, progress: Progress) -> RunResult:
+def _simulate(composition: Composition, folder: Path, progress: Progress, last: ExitStack) -> RunResult:
+    """Simulate, record and describe a run; from the end of the simulation until ``last``, interrupts wait.
+
+    `timeout` sends two signals at once, and who presses Ctrl-C again must not lose the tables.
+    """
     description = provenance.describe(composition.inputs, SCHEMA_VERSION)
     description["outputs_left_out"] = list(composition.outputs_left_out)
     recorder = _begun(folder, description)
@@ -97,9 +103,13 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
     reason: str | None = None
     defect: Exception | None = None
     ended_by: BaseException | None = None
+    held: list[int] = []
     try:
-        with recorder:
-            _drive(composition, recorder, times, progress)
+        with recorder, _map_written(composition, recorder):
+            try:
+                _drive(composition, recorder, times, progress)
+            finally:
+                held = last.enter_context(uninterrupted())
     except CosimError as error:
         reason, ended_by = str(error), error
         if not recorder.ego_names and not recorder.records_everybody:
@@ -121,6 +131,8 @@ def _simulate(composition: Composition, folder: Path, progress: Progress) -> Run
         raise InputError(f"no ego appeared before the run ended at {composition.end_time:g} s")
     _finish(description, recorder, times, perf_counter() - started, reason)
     _write_description(folder, description)
+    if isinstance(ended_by, KeyboardInterrupt):
+        held.clear()  # that has been done
     if defect is not None:
         raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
     return RunResult(folder, description, ended_by)
@@ -158,13 +170,20 @@ def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
 
 
 def _drive(composition: Composition, recorder: Recorder, times: LoopTimes, progress: Progress) -> None:
-    world, end = composition.world, composition.end_time
+    end = composition.end_time
     window = () if composition.window is None else (composition.window,)
     record = Broadcast(recorder, Departures(composition.drivers), *window)
+    loop.run(composition.world, composition.drivers, record, times, lambda time: progress(time, end))
+
+
+@contextmanager
+def _map_written(composition: Composition, recorder: Recorder) -> Iterator[None]:
+    """Write the map at the end, and after a failure if the broken simulation still allows it."""
+    world = composition.world
     try:
-        loop.run(world, composition.drivers, record, times, lambda time: progress(time, end))
+        yield
     except BaseException:
-        # The failure is reported by the caller; write the map if the broken simulation still allows it.
+        # The failure is reported by the caller.
         with suppress(CosimError, OSError):
             recorder.write_map(world.map_areas())
         raise

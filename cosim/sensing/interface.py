@@ -74,6 +74,8 @@ class Scene:
     vehicle_heading: FloatArray
     length: FloatArray
     width: FloatArray
+    interval: float = 0.1
+    """Time between two looks of any ego [s]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -104,6 +104,18 @@ def vehicles_in(scene: Scene) -> Boxes:
     return boxes_of(scene.front, scene.vehicle_heading, scene.length, scene.width)
 
 
+def with_ego(scene: Scene) -> Boxes:
+    """Return the rectangles of a scene's vehicles and, first, of the ego itself."""
+    body = scene.body
+    front = [[scene.x + body.front * math.cos(scene.heading), scene.y + body.front * math.sin(scene.heading)]]
+    return boxes_of(
+        np.concatenate([np.array(front), scene.front]),
+        np.append(scene.heading, scene.vehicle_heading),
+        np.append(body.length, scene.length),
+        np.append(body.width, scene.width),
+    )
+
+
 def distance_to_pieces(x: float, y: float, pieces: FloatArray) -> float:
     """Return the distance from a point to the nearest of (n, 4) straight pieces [m].
 

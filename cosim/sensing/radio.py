@@ -97,7 +97,6 @@ class _Message:
 class _Sent:
     """The last measurement of a unit."""
 
-    number: int
     stamp: float
     state: dict[str, int]
 
@@ -177,11 +176,10 @@ class Radio:
             yield self._units[index]
 
     def _measure(self, unit: Unit, scene: Scene) -> None:
-        """Let a unit measure and send its next message, if it is due."""
+        """Let a unit measure and send its next message, if it is due; its clock is the same for every ego."""
         settings = self._settings
-        number = math.floor(scene.time * settings.message_rate_hz + 1e-6)
-        sent = self._sent.get(unit.name)
-        if sent is not None and sent.number == number:
+        now, before = scene.time * settings.message_rate_hz, scene.interval * settings.message_rate_hz
+        if math.floor(now + 1e-6) == math.floor(now - before + 1e-6):
             return
         within, seen = self._view(unit, scene)
         draws = unit.noise.draw(scene.names, scene.tick)
@@ -190,7 +188,7 @@ class Radio:
         lost = bool(channel.uniform[0] < settings.loss_probability)
         state = lines_of_sight.states(within, seen, detected)
         state[detected] = State.LOST if lost else State.LATE
-        self._sent[unit.name] = _Sent(number, scene.time, dict(zip(scene.names, state.tolist(), strict=True)))
+        self._sent[unit.name] = _Sent(scene.time, dict(zip(scene.names, state.tolist(), strict=True)))
         if lost or not detected.any():
             return
         noise = np.repeat([settings.unit_position_noise_m, settings.unit_velocity_noise_mps], 2)
@@ -211,7 +209,7 @@ class Radio:
         within = lines_of_sight.in_view(
             unit.place, unit.heading, scene.position, settings.unit_range_m, field_of_view
         )
-        boxes = lines_of_sight.vehicles_in(scene)
+        boxes = lines_of_sight.with_ego(scene)
         if settings.unit_sees_over_vehicles:
             boxes = boxes.near(unit.place, -np.inf)
         seen = np.zeros(len(within), dtype=np.bool_)
@@ -236,7 +234,9 @@ class Radio:
         """Return the state of each pedestrian, from the newest measurements of all nearby units."""
         best = np.full(len(scene.names), int(State.OUT_OF_RANGE), dtype=np.int64)
         for unit in units:
-            sent = self._sent[unit.name]
+            sent = self._sent.get(unit.name)
+            if sent is None:  # the ego has come after its last message
+                continue
             state = np.array(
                 [sent.state.get(name, State.OUT_OF_RANGE) for name in scene.names], dtype=np.int64
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +12,9 @@ from controllers.driving.standing import VEHICLE_STANDING
 from controllers.interface import Command, constant_command
 from cosim.step.plant import Plant
 from cosim.step.world import EgoTruth
+from cosim.sumo.changed_limits import ROUNDING
 from cosim.sumo.detours import on_a_lane_off_the_route
+from cosim.sumo.network import NetLane
 from cosim.sumo.placement import Executed
 from cosim.sumo.track import Track
 from cosim.sumo.view import Frame
@@ -84,7 +87,10 @@ class DrivenEgo:
             edge=piece.lane.edge,
             lane=self.executed.lane,
             route_position=self.travelled,
-            speed_limit=min(changed_limits.get(piece.lane.name, piece.lane.speed), self.own_limit),
+            speed_limit=min(
+                piece.lane.limit(track.route.vehicle_class, changed_limits.get(piece.lane.name)),
+                self.own_limit,
+            ),
             commanded_acceleration=float(self.command.acceleration[entry]),
             commanded_steering=float(self.command.steering[entry]),
             executed_x=self.executed.x,
@@ -95,17 +101,28 @@ class DrivenEgo:
         )
 
 
-def own_limit(sumo: Any, name: str) -> float:
+def own_limit(sumo: Any, name: str, lane: NetLane) -> float:
     """Return the highest speed of a vehicle's type on a road without a limit [m/s].
 
     SUMO reports ``maxSpeed`` but not ``desiredMaxSpeed``, which keeps a bicycle at 20 km/h. The latter shows
     in the speed that SUMO allows the vehicle on a lane that allows more.
+
+    Parameters
+    ----------
+    sumo, name : the vehicle in SUMO
+    lane : the lane that it is on, which may have a limit of its own for the vehicle's class
     """
     vehicle = sumo.vehicle
     possible: float = vehicle.getMaxSpeed(name)
     factor: float = vehicle.getSpeedFactor(name)
     allowed: float = vehicle.getAllowedSpeed(name)
-    on_lane = min(sumo.lane.getMaxSpeed(vehicle.getLaneID(name)) * factor, possible)
+    limit: float = sumo.lane.getMaxSpeed(lane.name)
+    own = lane.class_speeds.get(vehicle.getVehicleClass(name))
+    if own is None:
+        on_lane = min(limit * factor, possible)
+    else:
+        # A sign that changes the limit of the lane holds without the vehicle's factor then.
+        on_lane = min(own * factor, possible, math.inf if abs(limit - lane.speed) <= ROUNDING else limit)
     return min(possible, allowed / factor) if allowed < on_lane - 1e-6 else possible
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from cosim.errors import InputError, SimulationError
 from cosim.sumo.network import Network
 from cosim.sumo.route import Route
 from sumo_scenarios.model import Egos
+from sumo_scenarios.vehicle_names import taken_names
 
 EGO_TYPE = "cosim_ego"
 PASSENGER = "passenger"
@@ -79,8 +81,13 @@ class EgoSources:
         """Whether no further ego can appear; never true with a share, because demand may still come."""
         return not self._egos.share and not self.trips and not self._wanted
 
-    def check(self, sumo: Any) -> None:
+    def check(self, sumo: Any, demand: Sequence[Path] = ()) -> None:
         """Check the egos against the running simulation, before its first step.
+
+        Parameters
+        ----------
+        sumo : module or connection
+        demand : files of the demand, of which SUMO has read the beginning only
 
         Raises
         ------
@@ -92,9 +99,16 @@ class EgoSources:
         if self.trips and wanted and wanted not in known:
             names = ", ".join(name for name in sorted(known) if not name.startswith("DEFAULT_"))
             raise InputError(f'no vehicle type "{wanted}" for the egos; the scenario has {names}')
-        taken = set(sumo.vehicle.getLoadedIDList()) & {trip.name for trip in self.trips}
+        own = {trip.name for trip in self.trips}
+        files = taken_names(demand, own)
+        taken = files.keys() | (set(sumo.vehicle.getLoadedIDList()) & own)
         if taken:
-            raise InputError(f'the demand already has a vehicle "{min(taken)}", the name of an ego')
+            name = min(taken)
+            place = f" in {files[name].name}" if name in files else ""
+            raise InputError(
+                f'the demand already has a vehicle "{name}"{place}, the name of an ego; '
+                "give the vehicle another id"
+            )
 
     def insert(self, sumo: Any, time: float) -> None:
         """Ask SUMO to insert the trips that are due.
@@ -142,7 +156,7 @@ class EgoSources:
             If a vehicle requested as an ego cannot be driven on a road, or is a taxi.
         """
         chosen = []
-        own = {trip.name for trip in self.trips}
+        own = {trip.name for trip in self.trips if trip.asked}
         self._departed_seen += len(departed)
         self._some_departed += departed[: max(0, 5 - len(self._some_departed))]
         for name in departed:

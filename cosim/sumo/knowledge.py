@@ -37,6 +37,7 @@ class Knowledge:
     network
     seed : of the run
     step : length of a step [s]
+    look_every : number of steps between two looks
 
     Raises
     ------
@@ -44,8 +45,11 @@ class Knowledge:
         If the model's parameters do not fit the network.
     """
 
-    def __init__(self, sensing: Sensing, sumo: Any, network: Network, seed: int, step: float) -> None:
+    def __init__(
+        self, sensing: Sensing, sumo: Any, network: Network, seed: int, step: float, look_every: int
+    ) -> None:
         self._step = step
+        self._interval = look_every * step
         self._sensing = sensing
         self._site = _NO_SITE if sensing.exact else site_of(sumo, network)
         self._senses = None if sensing.exact else Senses(sensing, self._site, seed)
@@ -107,6 +111,7 @@ class Knowledge:
                 cars.heading[near],
                 cars.length[near],
                 cars.width[near],
+                self._interval,
             )
         )
         told = rows[belief.told]

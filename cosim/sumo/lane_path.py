@@ -132,7 +132,9 @@ class LanePath:
         leads_to_end: bool,
         step: int,
         turning: Turning = CAR,
+        vehicle_class: str = "passenger",
     ) -> None:
+        self._class = vehicle_class
         self.curve, drawn_anew = widened(Path.rounded(*without_jogs(polyline, origin, pieces)), turning)
         knots = arc_lengths(polyline) + origin
 
@@ -236,7 +238,7 @@ class LanePath:
     def _speed_limits(self, changed: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
         given: list[tuple[float, float]] = []
         for piece in self.pieces:
-            limit = changed.get(piece.lane.name, piece.lane.speed)
+            limit = piece.lane.limit(self._class, changed.get(piece.lane.name))
             if not given or limit != given[-1][1]:
                 given.append((piece.start, limit))
         starts, limits = (np.array(column) for column in zip(*given, strict=True))

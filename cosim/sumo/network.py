@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -57,6 +57,21 @@ class NetLane:
     shape: FloatArray
     """(n, 2) centre line, or the outline of a walking area [m]."""
     permissions: Permissions
+    class_speeds: Mapping[str, float] = field(default_factory=dict)
+    """Limits of vehicle classes that have one of their own here, which may be higher than `speed` [m/s]."""
+
+    def limit(self, vehicle_class: str, changed: float | None = None) -> float:
+        """Return the speed limit of a vehicle class [m/s].
+
+        Parameters
+        ----------
+        vehicle_class : SUMO's name of the class
+        changed : present limit of the lane, if it is not that of the network [m/s]
+        """
+        own = self.class_speeds.get(vehicle_class)
+        if own is None:
+            return self.speed if changed is None else changed
+        return own if changed is None else min(own, changed)
 
     @property
     def internal(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Mapping, Set
 from math import isfinite
 from pathlib import Path
 from typing import BinaryIO, cast
@@ -126,10 +126,16 @@ class _Reader:
         self.entries: defaultdict[str, list[ElementTree.Element]] = defaultdict(list)
         self.beside_area: defaultdict[str, set[str]] = defaultdict(set)
         self.geographic = False
+        self.class_speeds: dict[str, dict[str, float]] = {}
+        """By type of edge: the limits of vehicle classes that have one of their own [m/s]."""
 
     def take(self, element: ElementTree.Element) -> None:
         if element.tag == "edge":
             self._edge(element)
+        elif element.tag == "type":
+            self.class_speeds[element.attrib["id"]] = {
+                one.attrib["vClass"]: _number(one.attrib["speed"]) for one in element.iter("restriction")
+            }
         elif element.tag == "connection":
             self._connection(element)
         elif element.tag == "junction" and not element.attrib["id"].startswith(":"):
@@ -155,7 +161,8 @@ class _Reader:
         if function == "connector":
             return
         name = element.attrib["id"]
-        lanes = [self._lane(name, lane) for lane in element.iter("lane")]
+        class_speeds = self.class_speeds.get(element.get("type", ""), {})
+        lanes = [self._lane(name, lane, class_speeds) for lane in element.iter("lane")]
         if not lanes:
             raise ValueError(f"the edge {name!r} has no lanes")
         if function == "walkingarea":
@@ -171,7 +178,7 @@ class _Reader:
         else:
             self.edges[name] = tuple(lane.name for lane in lanes)
 
-    def _lane(self, edge: str, element: ElementTree.Element) -> NetLane:
+    def _lane(self, edge: str, element: ElementTree.Element, class_speeds: Mapping[str, float]) -> NetLane:
         return NetLane(
             element.attrib["id"],
             edge,
@@ -181,6 +188,7 @@ class _Reader:
             _number(element.attrib["speed"]),
             _shape(element.attrib["shape"]),
             _permissions(element),
+            class_speeds,
         )
 
     def _connection(self, element: ElementTree.Element) -> None:

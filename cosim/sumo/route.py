@@ -164,7 +164,7 @@ class Route:
             leads_to_end = False
         before, entering, shift = self._before(step, index)
         polyline, origin, pieces = joined([(part, step - 1) for part in before], lanes, shift)
-        path = LanePath(polyline, origin, pieces, leads_to_end, step, self.turning)
+        path = LanePath(polyline, origin, pieces, leads_to_end, step, self.turning, self.vehicle_class)
         edges = {part.edge for part, _ in lanes if not part.internal}
         edges |= {part.edge for part in before if not part.internal}
         crossings = [c for c in self.network.crossings.values() if c.edges & edges]

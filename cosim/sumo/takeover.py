@@ -26,6 +26,7 @@ class Takeover:
 
     def __init__(self, network: Network, drive: Drive) -> None:
         self._drive = drive
+        self._network = network
         self._routes = SharedRoutes(network)
 
     def ego_of(self, sumo: Any, name: str) -> DrivenEgo:
@@ -42,8 +43,9 @@ class Takeover:
         track = self.track_of(sumo, name, now, turning_of(body, self._drive))
         heading = heading_of(vehicle.getAngle(name))
         rear = rear_axle_of(now.x, now.y, heading, body.front)
+        lane = self._network.lanes[now.lane]
         plant = Plant(body, self._drive, *rear, heading, now.speed)
-        return DrivenEgo(name, plant, track, now, own_limit(sumo, name), plant.front)
+        return DrivenEgo(name, plant, track, now, own_limit(sumo, name, lane), plant.front)
 
     def track_of(
         self, sumo: Any, name: str, now: Executed, turning: Turning, before: Track | None = None

@@ -82,7 +82,7 @@ class SumoWorld:
         self._scripted = ScriptedPersons(scenario.pedestrians, self._network, seed, self._first, self._end)
         recorded = vehicles_file(scenario)
         self._recorded = RecordedVehicles(
-            {} if recorded is None else read_recorded_vehicles(recorded), prepared.begin_s
+            {} if recorded is None else read_recorded_vehicles(recorded), self._first
         )
         self._takeover = Takeover(self._network, drive)
         self._egos: dict[str, DrivenEgo] = {}
@@ -110,7 +110,7 @@ class SumoWorld:
                         f"the state of load-state is of {self._time:g} s; expected that time as begin, "
                         f"got {self._begin:g} s"
                     )
-                self._sources.check(self._sumo)
+                self._sources.check(self._sumo, prepared.demand)
                 self._calibrated = self._sumo.calibrator.getIDCount() > 0
                 self._limits = ChangedLimits(self._sumo, self._network)
                 self._departures = Departures(self._sumo)
@@ -395,6 +395,6 @@ class SumoWorld:
 
     def _known_by(self, sensing: Sensing, seed: int) -> Knowledge:
         try:
-            return Knowledge(sensing, self._sumo, self._network, seed, self.step)
+            return Knowledge(sensing, self._sumo, self._network, seed, self.step, self._plan_every)
         except ValueError as error:
             raise InputError(f"sensing: {error}") from error

@@ -45,6 +45,25 @@ def test_agents_come_with_their_egos_and_go_after_their_time() -> None:
     env.close()
 
 
+def test_the_next_ego_gets_its_agent_although_all_before_have_ended() -> None:
+    """Meanwhile SUMO drives those that have ended; a headway beyond the slack makes the simulation longer."""
+    env = parallel_env("midblock_zebra", agents=2, time_limit_s=2.0, warmup_s=2.0, ego_headway_s=70.0)
+    env.reset(seed=3)
+    steps: dict[str, int] = {}
+    handed_back: dict[str, bool] = {}
+    while env.agents:
+        for name in env.agents:
+            steps[name] = steps.get(name, 0) + 1
+        env.step({name: np.zeros(1, np.float32) for name in env.agents})
+        if env.agents:
+            assert env._episode is not None
+            assert env._episode._last is not None
+            handed_back = {ego.name: ego.handed_back for ego in env._episode._last.egos}
+    env.close()
+    assert steps == {"ego_1": 20, "ego_2": 20}
+    assert handed_back == {"ego_0": True, "ego_1": False}
+
+
 @pytest.mark.parametrize(("behind_m", "overlaps"), [(3.0, True), (6.0, False)])
 def test_one_ego_is_a_vehicle_to_the_other(behind_m: float, overlaps: bool) -> None:
     env = parallel_env("midblock_zebra", agents=2, **QUICK)

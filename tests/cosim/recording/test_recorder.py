@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import signal
+from contextlib import closing
+from itertools import count
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -13,6 +17,7 @@ from analysis.errors import RecordingError
 from analysis.recording.columns import EGOS, NEIGHBOURS, PLANS, TIMING, RecordedColumn, RecordedTable
 from analysis.recording.opening import opened_table
 from cosim.errors import SimulationError
+from cosim.recording import parquet_sink
 from cosim.recording.parquet_sink import ParquetSink
 from cosim.recording.recorder import Recorder
 from cosim.running.simulation import keep_recorded
@@ -132,6 +137,32 @@ def test_a_sink_writes_in_chunks_and_keeps_the_last_rows(tmp_path: Path) -> None
     written = pq.ParquetFile(tmp_path / "timing.parquet")
     assert written.metadata.num_rows == 10
     assert written.metadata.num_row_groups == 3
+
+
+def test_an_interrupt_while_rows_are_written_loses_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    array, calls = parquet_sink._array, count()
+
+    def disturbed(*arguments: Any) -> Any:
+        if next(calls) == 4:
+            signal.raise_signal(signal.SIGINT)
+        return array(*arguments)
+
+    monkeypatch.setattr(parquet_sink, "_array", disturbed)
+    sink = ParquetSink(tmp_path / "timing.parquet", TIMING.schema, rows_per_chunk=64)
+    added: list[float] = []
+
+    def add_all() -> None:
+        with closing(sink):
+            for index in range(100):
+                added.append(float(index))
+                sink.add_row((float(index), "ego", 1.0))
+
+    with pytest.raises(KeyboardInterrupt):
+        add_all()
+    assert 1 < len(added) < 100
+    assert pq.read_table(tmp_path / "timing.parquet")["time_s"].to_pylist() == added
 
 
 def full_sink(folder: Path) -> ParquetSink:

@@ -113,6 +113,31 @@ def test_two_egos_are_told_of_the_same_measurement_and_lose_different_messages()
     assert lost[0] != lost[1]
 
 
+def test_an_ego_hides_people_from_a_low_unit_for_itself_too() -> None:
+    low = exactly("roadside", units="2,-5", unit_sees_over_vehicles=False)
+    across: Walker = ("across", 2.0, 5.0, 0.0, 0.0)
+    assert low.sensor(SITE, 1, "ego").look(scene([across])).state.tolist() == [State.HIDDEN]
+    assert low.sensor(SITE, 1, "ego").look(scene([across], x=10.0)).told.all()
+    high = exactly("roadside", units="2,-5")
+    assert high.sensor(SITE, 1, "ego").look(scene([across])).told.all()
+
+
+@pytest.mark.parametrize("rate", [1.0, 3.0, 10.0])
+def test_an_ego_that_comes_between_two_messages_hears_the_next_one(rate: float) -> None:
+    model = exactly("roadside", message_rate_hz=rate, message_hold_s=5.0)
+    early, late = model.sensor(SITE, 1, "early"), model.sensor(SITE, 1, "late")
+    for k in range(13):
+        early.look(scene([WALKER], 0.1 * k, ego="early"))
+    heard = []
+    for k in range(13, 40):
+        known, new = early.look(scene([WALKER], 0.1 * k)), late.look(scene([WALKER], 0.1 * k))
+        heard.append(bool(new.told[0]))
+        assert not new.told[0] or new.age[0] == known.age[0]
+    # The next messages are those of 2.0, 1.4 (4 / 3 at the next look) and 1.3 s.
+    assert heard.index(True) == {1.0: 7, 3.0: 1, 10.0: 0}[rate]
+    assert all(heard[heard.index(True) :])
+
+
 @pytest.mark.parametrize("units", ["500,400", "0,0 9999,0"])
 def test_a_unit_outside_the_network_is_refused(units: str) -> None:
     with pytest.raises(ValueError, match="outside the network"):

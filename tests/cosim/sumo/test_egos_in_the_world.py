@@ -128,8 +128,23 @@ def test_an_unknown_vehicle_type_is_refused_with_those_there_are(open_world: Ope
 
 def test_an_ego_may_not_have_the_name_of_a_vehicle(open_world: OpenWorld) -> None:
     demand = '<vehicle id="ego_0" type="car" depart="5"><route edges="am mj"/></vehicle>'
-    with pytest.raises(InputError, match='already has a vehicle "ego_0"'):
+    with pytest.raises(InputError, match=r'already has a vehicle "ego_0" in .*; give the vehicle another id'):
         open_world(demand, STRAIGHT)
+
+
+@pytest.mark.parametrize("element", ["vehicle", "trip"])
+def test_not_even_of_one_that_sumo_has_not_read_yet(open_world: OpenWorld, element: str) -> None:
+    """SUMO reads a demand 200 s ahead; the second ego departs before that, or after the namesake."""
+    way = 'from="am" to="mj"/>' if element == "trip" else '><route edges="am mj"/></vehicle>'
+    demand = (
+        f'<vehicle id="v" depart="0"><route edges="am mj"/></vehicle><{element} depart="230" id="ego_1" {way}'
+    )
+    for headway_s in (5.0, 260.0):
+        egos = Egos(routes=(("am", "mj"),), count=2, headway_s=headway_s)
+        with pytest.raises(InputError, match=r'vehicle "ego_1" in demand\d\.rou\.xml, the name of an ego'):
+            open_world(demand, egos)
+    open_world(demand, STRAIGHT, duration_s=5.0)
+    open_world(f"<!-- {demand} -->", Egos(routes=(("am", "mj"),), count=2))
 
 
 def test_an_ego_that_strikes_somebody_stays_whatever_the_configuration_says(open_world: OpenWorld) -> None:

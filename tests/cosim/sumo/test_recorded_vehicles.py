@@ -8,7 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from cosim.sumo.world import SumoWorld
+from sumo_scenarios.library import load, prepare
 from tests.cosim.cli.commands import source_environment
+
+from .conftest import drive
 
 pytestmark = pytest.mark.long
 
@@ -80,3 +84,33 @@ def test_cars_off_the_road_are_where_they_were_recorded(tmp_path: Path, options:
     there = driven(tmp_path, rows, *options)
     assert there[2.5, "far"] == pytest.approx((-499.5, -500.0), abs=0.01)
     assert there[2.0, "a"] == pytest.approx((296.14, 164.5), abs=0.01)
+
+
+@pytest.mark.sumo
+@pytest.mark.parametrize("warmup_s", [0.0, 2.0])
+def test_recorded_vehicles_and_people_have_one_time_which_begins_after_the_warm_up(
+    tmp_path: Path, town_file: Path, warmup_s: float
+) -> None:
+    (tmp_path / "town.sumocfg").write_text(
+        f'<configuration><net-file value="{town_file}"/><step-length value="0.1"/></configuration>'
+    )
+    times = [0.1 * step for step in range(41)]
+    (tmp_path / "cars.csv").write_text(
+        HEADER + "".join(f"c,passenger,am,{t:.1f},{60 + 8 * t:.2f},195.2,0,8,4.5,1.8\n" for t in times)
+    )
+    (tmp_path / "people.csv").write_text(
+        "person,time_s,x_m,y_m\n" + "".join(f"p,{t:.1f},90,{191 + t:.2f}\n" for t in times)
+    )
+    (tmp_path / "scenario.toml").write_text(
+        f"description = 'both'\nduration_s = {warmup_s + 3.0}\nwarmup_s = {warmup_s}\n"
+        "sumocfg = 'town.sumocfg'\nrecorded_vehicles = 'cars.csv'\n"
+        "[egos]\ncount = 1\n[[egos.routes]]\nedges = 'am mj jb'\n"
+        "[[pedestrians]]\nname = 'real'\nkind = 'trajectory'\nfile = 'people.csv'\n"
+    )
+    scenario = load(str(tmp_path))
+    world = SumoWorld(scenario, prepare(scenario, 1, tmp_path), 1)
+    try:
+        seen = {round(one.time - warmup_s, 3): one for one in drive(world)}[1.5]
+    finally:
+        world.close()
+    assert (*seen.vehicles.x, *seen.persons.y) == pytest.approx((72.0, 192.5), abs=0.01)
