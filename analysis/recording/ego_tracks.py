@@ -35,7 +35,7 @@ class EgoTracks:
 
     def __init__(self, run: RecordedRun, rows: Columns, grid: Grid, thresholds: Thresholds) -> None:
         self._rows, self._grid, self._overhang = rows, grid, thresholds.ego_rear_overhang_m
-        self._levels = run.levels.of_all(rows.texts["lane"].names, rows.texts["lane"].codes)
+        self._levels = run.levels.of_lanes(rows.texts["lane"].names, rows.texts["lane"].codes)
         self._pieces: list[tuple[str, int, IntArray, FloatArray]] = []
         """Name, first recorded step, rows and headings of each track."""
         for name, index in by_name(rows, "ego_id"):

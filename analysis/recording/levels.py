@@ -19,12 +19,20 @@ class Levels:
     """Whether two edges are on different levels, shape (1 + edges, 1 + edges)."""
 
     def of(self, name: str) -> int:
-        """Return the number of an edge, or of the edge of a lane."""
-        return self.numbers.get(name) or self.numbers.get(name.rpartition("_")[0], 0)
+        """Return the number of an edge."""
+        return self.numbers.get(name, 0)
 
-    def of_all(self, names: Iterable[str], codes: IntArray) -> IntArray:
-        """Return the numbers of edges or lanes, given as codes into ``names``; code −1 stands for none."""
+    def of_lane(self, name: str) -> int:
+        """Return the number of the edge of a lane; another edge may have the name of the lane."""
+        return self.of(name.rpartition("_")[0])
+
+    def of_edges(self, names: Iterable[str], codes: IntArray) -> IntArray:
+        """Return the numbers of edges, given as codes into ``names``; code −1 stands for none."""
         return np.array([*map(self.of, names), 0], dtype=np.int64)[codes]
+
+    def of_lanes(self, names: Iterable[str], codes: IntArray) -> IntArray:
+        """Return the numbers of the edges of lanes, given as codes into ``names``; code −1: none."""
+        return np.array([*map(self.of_lane, names), 0], dtype=np.int64)[codes]
 
 
 def levels_of(crossed: Mapping[str, Iterable[str]]) -> Levels:
@@ -33,7 +41,7 @@ def levels_of(crossed: Mapping[str, Iterable[str]]) -> Levels:
     Examples
     --------
     >>> levels = levels_of({"bridge": ["street"]})
-    >>> bool(levels.apart[levels.of("street_0"), levels.of("bridge")]), levels.of("elsewhere")
+    >>> bool(levels.apart[levels.of_lane("street_0"), levels.of("bridge")]), levels.of("elsewhere")
     (True, 0)
     """
     names = sorted({*crossed, *(other for others in crossed.values() for other in others)})

@@ -34,7 +34,8 @@ class Tracks(Sequence[Track]):
     def __init__(self, run: RecordedRun, grid: Grid, kind: str) -> None:
         self._rows, self._grid, self._moves = run.neighbours, grid, kind == "vehicle"
         places = self._rows.texts["edge_or_lane"]
-        self._levels = run.levels.of_all(places.names, places.codes)
+        numbers = run.levels.of_lanes if self._moves else run.levels.of_edges
+        self._levels = numbers(places.names, places.codes)
         self._pieces: list[tuple[str, IntArray]] = []
         self._steps: list[IntArray] = []
         """For each piece, the number of recorded steps from its first row to each of its rows."""

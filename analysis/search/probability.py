@@ -130,6 +130,8 @@ def estimate(
         Number of margins to compute; a replication that has begun is finished, unless it alone needs twice
         as many.
     seed
+        Of the first replication; each further one has the next number. Estimates that are to be independent
+        begin at least `MOST_REPLICATIONS` apart.
 
     Raises
     ------

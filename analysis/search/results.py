@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 from analysis.files import write_csv, write_json
@@ -73,6 +74,16 @@ class KindRow:
     change: str = ""
     """Smallest change that leads back to success, in words."""
     change_runs: int = 0
+
+
+def trial_margins(tried: Iterable[Tried]) -> tuple[list[Point], list[float]]:
+    """Return the points of the trials and their margins, each the mean of its runs that have a margin."""
+    runs: dict[int, list[Tried]] = {}
+    for one in tried:
+        if one.verdict.margin is not None:
+            runs.setdefault(one.number, []).append(one)
+    means = [fmean(one.verdict.margin or 0.0 for one in some) for some in runs.values()]
+    return [some[0].point for some in runs.values()], means
 
 
 def tried_rows(axes: Sequence[Axis], tried: Iterable[Tried]) -> list[dict[str, Any]]:

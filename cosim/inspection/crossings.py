@@ -44,10 +44,11 @@ def crossings(network: Network, counts: Counts, net_file: Path) -> Finding:
 
 
 def impossible_routes(cars: Passing | None) -> list[Finding]:
-    """Report cars of the demand whose route is not possible."""
+    """Report vehicles of the demand whose route is not possible."""
     if cars is None or not cars.impossible:
         return []
-    text = f"{cars.impossible:,.0f} cars of the demand have edges that do not exist or are not connected"
+    count = max(1, round(cars.impossible))
+    text = f"{count:,} vehicles of the demand have edges that do not exist or are not connected"
     return [Finding("car routes", Level.DANGER, text + ": SUMO stops at the first one")]
 
 

@@ -7,9 +7,11 @@ import re
 from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 from cosim.errors import InputError
+from cosim.inspection.references import References
 from cosim.inspection.source import Source
 from cosim.inspection.xml_elements import elements
 
@@ -27,6 +29,17 @@ _SUBLANE_MODELS = ("SL2015", "default")
 _POISSON = re.compile(r"exp\(([^)]+)\)")
 
 
+class Way(NamedTuple):
+    """The given edges of vehicles."""
+
+    edges: tuple[str, ...]
+    """A whole route, or its ends with what lies between them."""
+    whole: bool = False
+    """Whether these are all edges, so that each has to lead to the next one."""
+    kind: str = CAR
+    """Vehicle class."""
+
+
 @dataclass(slots=True)
 class Demand:
     """Content of the files, as expected numbers over the simulated time."""
@@ -34,14 +47,16 @@ class Demand:
     vehicles: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
     """Expected number by vehicle class."""
     persons: float = 0.0
-    ways: defaultdict[tuple[str, ...], float] = field(default_factory=lambda: defaultdict(float))
-    """Expected number of passenger cars by their given edges: a whole route, or its ends."""
+    ways: defaultdict[Way, float] = field(default_factory=lambda: defaultdict(float))
+    """Expected number of passenger cars, and of other vehicles with a whole route, by their given edges."""
     ignored: dict[Path, list[str]] = field(default_factory=dict)
     """Ids that SUMO ignores because an earlier entry departs later, by route file."""
     closed: dict[str, None] = field(default_factory=dict)
     """Lanes that rerouters close in the simulated time, in the order of the files."""
     lane_change_models: dict[str, str] = field(default_factory=dict)
     """Lane-change models of vehicle types in use, by type, if they are not those of the sublane model."""
+    unknown: list[str] = field(default_factory=list)
+    """Who has a type or route that is not defined, in words."""
 
 
 def read_demand(source: Source) -> Demand:
@@ -88,7 +103,8 @@ class _Reader:
         self._classes: dict[str, str] = dict(DEFAULT_CLASSES)
         self._models: dict[str, str] = {}
         self._members: defaultdict[str, list[str]] = defaultdict(list)
-        self._routes: dict[str, tuple[str, ...]] = {}
+        self._routes: dict[str, list[tuple[tuple[str, ...], float]]] = {}
+        self._references = References()
         self._found: list[tuple[ElementTree.Element, float]] = []
         self._demand = Demand()
 
@@ -97,6 +113,7 @@ class _Reader:
         ignored: list[str] = []
         for _, element in elements(path):
             self._define(element)
+            self._references.note(element, path, element.tag in (*_RIDERS, *_WALKERS))
             if element.tag == "rerouter":
                 self._close(element)
             if element.tag not in (*_RIDERS, *_WALKERS):
@@ -126,9 +143,10 @@ class _Reader:
                 one: self._models[one] for one in (name, *self._members.get(name, ())) if one in self._models
             }
             self._demand.vehicles[kind] += count
-            way = self._way(element)
-            if kind == CAR and way:
-                self._demand.ways[way] += count
+            for edges, share, whole in self._ways(element):
+                if edges and (whole or kind == CAR):
+                    self._demand.ways[Way(edges, whole, kind)] += count * share
+        self._demand.unknown = self._references.unknown()
         return self._demand
 
     def _define(self, element: ElementTree.Element) -> None:
@@ -141,11 +159,9 @@ class _Reader:
             self._members[element.get("id", "")] += names + element.get("vTypes", "").split()
         for route in element.iter("route"):
             if route.get("id"):
-                self._routes[route.get("id", "")] = tuple(route.get("edges", "").split())
+                self._routes[route.get("id", "")] = [(_edges(route), 1.0)]
         if element.tag == "routeDistribution":
-            first = next(iter(element.iter("route")), None)
-            if first is not None:
-                self._routes[element.get("id", "")] = tuple(first.get("edges", "").split())
+            self._routes[element.get("id", "")] = self._alternatives(element)
 
     def _close(self, rerouter: ElementTree.Element) -> None:
         for interval in rerouter.iter("interval"):
@@ -160,15 +176,29 @@ class _Reader:
         members = {self._classes.get(member, CAR) for member in self._members.get(name, ())}
         return members.pop() if len(members) == 1 else CAR
 
-    def _way(self, element: ElementTree.Element) -> tuple[str, ...]:
+    def _alternatives(self, distribution: ElementTree.Element) -> list[tuple[tuple[str, ...], float]]:
+        """Return the routes of a distribution with their shares."""
+        given = [
+            (_edges(route), float(route.get("probability", "1"))) for route in distribution.iter("route")
+        ]
+        names = distribution.get("routes", "").split()
+        weights = [float(one) for one in distribution.get("probabilities", "").split()]
+        for name, weight in zip(names, weights or [1.0] * len(names), strict=False):
+            given += [(edges, share * weight) for edges, share in self._routes.get(name, ())]
+        total = sum(weight for _, weight in given)
+        return [(edges, weight / total) for edges, weight in given if weight > 0.0]
+
+    def _ways(self, element: ElementTree.Element) -> list[tuple[tuple[str, ...], float, bool]]:
+        """Return the given edges of a vehicle, their shares, and whether they are a whole route."""
         if element.get("route"):
-            return self._routes.get(element.get("route", ""), ())
+            return [(*one, True) for one in self._routes.get(element.get("route", ""), ())]
         inner = element.find("route")
         if inner is not None:
-            return tuple(inner.get("edges", "").split())
+            return [(_edges(inner), 1.0, True)]
         if element.get("from") and element.get("to"):
-            return (element.get("from", ""), *element.get("via", "").split(), element.get("to", ""))
-        return ()
+            via = element.get("via", "").split()
+            return [((element.get("from", ""), *via, element.get("to", "")), 1.0, False)]
+        return []
 
     def _count(self, element: ElementTree.Element, depart: float | None) -> float:
         """Return how many vehicles or persons are expected to depart in the simulated time."""
@@ -186,6 +216,10 @@ class _Reader:
         duration = max(min(ends, self._end_s) - max(begins, self._begin_s), 0.0)
         # If neither the flow nor the run has an end, count one hour of the flow.
         return rate * (3600.0 if math.isinf(duration) else duration)
+
+
+def _edges(route: ElementTree.Element) -> tuple[str, ...]:
+    return tuple(route.get("edges", "").split())
 
 
 def _rate(element: ElementTree.Element) -> float:

@@ -51,6 +51,15 @@ def sorting(demand: Demand) -> list[Finding]:
     ]
 
 
+def unknown_names(demand: Demand) -> list[Finding]:
+    """Name the first vehicle or person whose type or route is not defined."""
+    if not demand.unknown:
+        return []
+    more = f" (and {len(demand.unknown) - 1} more like this)" if len(demand.unknown) > 1 else ""
+    text = f"{demand.unknown[0]}{more}: SUMO stops when it reads this; define it above its first use"
+    return [Finding("types and routes", Level.MISSING, text)]
+
+
 def lane_change_model(demand: Demand) -> list[Finding]:
     """Name the vehicle types with which hybrid actuation is not possible."""
     if not demand.lane_change_models:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from controllers.interface import CrossingKind
-from cosim.inspection.demand import Demand
+from cosim.inspection.demand import Demand, Way
 from cosim.inspection.ways import CAR, Movement, Ways
 from cosim.sumo.network import TURNAROUND, NetCrossing
 from cosim.sumo.quickest import route_to
@@ -38,7 +38,7 @@ class Passing:
     """Cars whose route is known."""
     passing: float
     impossible: float = 0.0
-    """Cars whose edges do not exist, or have no way for cars between them."""
+    """Vehicles whose edges do not exist, or do not lead from one to the next."""
 
 
 def suggest(ways: Ways, most: int = MOST) -> list[EgoRoute]:
@@ -68,7 +68,13 @@ def passing(ways: Ways, demand: Demand) -> Passing:
     """Return how many cars of the demand drive over a crossing, on the fastest way between given edges."""
     cars = over = impossible = 0.0
     trees: dict[str, Mapping[str, str]] = {}
-    for given, count in sorted(demand.ways.items()):
+    for way, count in sorted(demand.ways.items()):
+        given = way.edges
+        if way.whole and not _connected(ways, way):
+            impossible += count
+            continue
+        if way.kind != CAR:
+            continue
         if given[0] not in trees and len(trees) == MOST_ORIGINS:
             continue
         route = _filled(ways, given, trees)
@@ -78,6 +84,20 @@ def passing(ways: Ways, demand: Demand) -> Passing:
         cars += count
         over += count * bool(ways.crossings_on(route))
     return Passing(cars, over, impossible)
+
+
+def _connected(ways: Ways, way: Way) -> bool:
+    """Return whether all edges exist, and each leads to the next one for vehicles of that class."""
+    network = ways.network
+    if any(edge not in network.edges for edge in way.edges):
+        return False
+    return all(
+        any(
+            network.follow(network.edges[source][index], target, way.kind)
+            for index in network.allowed_lanes(source, way.kind)
+        )
+        for source, target in pairwise(way.edges)
+    )
 
 
 def _filled(

@@ -17,7 +17,7 @@ from analysis.sealing import seal_tables
 from analysis.search.axes import Value
 from analysis.search.extremes import Extrapolated, extrapolated
 from analysis.search.objective import judge_contacts
-from analysis.search.probability import METHODS, Probability, estimate
+from analysis.search.probability import METHODS, MOST_REPLICATIONS, Probability, estimate
 from analysis.search.results import PACKAGE
 from analysis.tables import column
 from analysis.tables.cells import cells
@@ -165,13 +165,24 @@ def run_estimate(request: EstimateRequest, subject: Subject, about: str, shown: 
                 margins.dimension,
                 variation=request.variation,
                 most=request.budget,
-                seed=request.seed,
+                seed=first_seed(request.seed),
             )
     invalid = sum(bool(one.invalid) for one in margins.answers)
     unpreventable = sum(one.verdict.unpreventable for one in margins.answers)
     done = Estimated(folder, found, invalid, unpreventable, extrapolated(found.drawn, request.seed))
     _write(request, done)
     return done
+
+
+def first_seed(seed: int) -> int:
+    """Return the seed of the first replication, so that estimates with neighbouring seeds share none.
+
+    Examples
+    --------
+    >>> first_seed(1), first_seed(2)
+    (1, 101)
+    """
+    return (1 + (seed - 1) * MOST_REPLICATIONS) % 2**32  # OpenTURNS takes 32 bits
 
 
 class Margins:

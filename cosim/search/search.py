@@ -13,7 +13,7 @@ from time import monotonic
 from analysis.search.axes import Axis, Point
 from analysis.search.kinds import kinds
 from analysis.search.objective import Verdict
-from analysis.search.results import FAIL, INVALID, KindRow, Tried, write_results
+from analysis.search.results import FAIL, INVALID, KindRow, Tried, trial_margins, write_results
 from analysis.search.sensitivity import Influence, influences
 from cosim.batches.conduct import Tally
 from cosim.batches.study import DEFAULT_TIMEOUT_S
@@ -116,10 +116,9 @@ class Search:
                 if request.shrink:
                     changes = shrinking.changes(self._space_axes, found, tried, trials, self.seedless)
         rows = regression.write_suite(self.subject, folder, found, self.seedless, changes)
-        even = tried[: first_generations(request.method, request.budget)]
-        if request.method in ("sobol", "random"):
-            even = tried
-        influence = self._influences(even)
+        learnt = request.method not in ("sobol", "random")
+        most = first_generations(request.method, request.budget) if learnt else request.budget
+        influence = influences(self.axes, *trial_margins(one for one in tried if one.number <= most))
         write_results(folder, self.axes, tried, rows, influence)
         return Found(
             folder,
@@ -141,12 +140,6 @@ class Search:
     def seedless(self, point: Point) -> Point:
         """Return a point without its seed, as scenario files have none."""
         return {key: value for key, value in point.items() if key != SEED_AXIS}
-
-    def _influences(self, even: Sequence[Tried]) -> list[Influence]:
-        known = [one for one in even if one.verdict.margin is not None]
-        return influences(
-            self.axes, [one.point for one in known], [one.verdict.margin or 0.0 for one in known]
-        )
 
     def _search(self, trials: Trials) -> tuple[list[Tried], str]:
         request = self.request

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from analysis.files import read_csv
 from analysis.search.axes import Axis
 from analysis.search.kinds import kinds
 from analysis.search.objective import Verdict
-from analysis.search.results import KindRow, Tried, write_results
+from analysis.search.results import KindRow, Tried, trial_margins, write_results
 
 AXES = (Axis("gap_s", 0.0, 10.0),)
 CONTACT = "no preventable contact"
@@ -30,3 +32,16 @@ def test_failures_are_those_that_failed_and_the_others_have_a_table_of_their_own
     assert (failed["trial"], failed["kind"], failed["gap_s"]) == ("2", "1", "2")
     (apart,) = read_csv(tmp_path / "unpreventable.csv")
     assert apart["trial"] == "3"
+
+
+def test_a_trial_with_several_seeds_has_one_margin_the_mean_of_its_runs() -> None:
+    tried = [
+        Tried(1, 7, {"gap_s": 1.0}, Verdict(0.5, CONTACT), trial_margin=0.1),
+        Tried(1, 8, {"gap_s": 1.0}, Verdict(-0.3, CONTACT, FACTS), trial_margin=0.1),
+        Tried(2, 7, {"gap_s": 2.0}, Verdict(0.4, CONTACT), trial_margin=0.7),
+        Tried(2, 8, {"gap_s": 2.0}, Verdict(None), invalid="a teleport", trial_margin=0.7),
+        Tried(3, 7, {"gap_s": 3.0}, Verdict(None), trial_margin=1.0),
+    ]
+    points, margins = trial_margins(tried)
+    assert points == [{"gap_s": 1.0}, {"gap_s": 2.0}]
+    assert margins == [pytest.approx(0.1), 0.4]

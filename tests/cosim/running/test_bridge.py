@@ -48,13 +48,17 @@ CONFIGURATION = (
 @pytest.fixture(scope="module")
 def town(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the configuration."""
-    folder = tmp_path_factory.mktemp("bridge")
-    for name, text in (("nod", NODES), ("edg", EDGES)):
+    return built(tmp_path_factory.mktemp("bridge"))
+
+
+def built(folder: Path, bridge: str = "bridge") -> Path:
+    """Build the network with an edge of that name as the bridge, and return the configuration."""
+    for name, text in (("nod", NODES), ("edg", EDGES.replace("bridge", bridge))):
         (folder / f"{name}.xml").write_text(text)
     options = ["-n", "nod.xml", "-e", "edg.xml", "--sidewalks.guess", "--sidewalks.guess.max-speed", "20"]
     netconvert = str(Path(sumo.SUMO_HOME) / "bin" / "netconvert")
     subprocess.run([netconvert, *options, "-o", "town.net.xml"], cwd=folder, check=True, capture_output=True)
-    (folder / "town.rou.xml").write_text(DEMAND)
+    (folder / "town.rou.xml").write_text(DEMAND.replace("bridge", bridge))
     path = folder / "town.sumocfg"
     path.write_text(CONFIGURATION)
     return path
@@ -85,6 +89,16 @@ def test_traffic_on_both_levels_is_judged_apart(town: Path, tmp_path: Path) -> N
     outcome = execute(RunRequest(str(town), controller="sumo", ego_share=0.0, record="everybody", out=out))
     assert not outcome.invalid_reason
     assert read_csv(out / "traffic_encounters.csv") == []
+
+
+def test_a_bridge_called_like_a_lane_of_the_street_is_apart_from_it(tmp_path: Path) -> None:
+    town, out = built(tmp_path, "street_1"), tmp_path / "run"
+    execute(RunRequest(str(town), controller="sumo", ego_vehicle="ego", out=out))
+    run = read_run(out)
+    assert {"walker", "above"} <= set(run.neighbours.texts["object_id"].names)
+    assert set(run.egos.texts["lane"].names) == {"street_1"}
+    case = prepare(run)
+    assert (len(case.overlaps), len(case.encounters), len(case.contacts)) == (0, 0, 0)
 
 
 @pytest.mark.long

@@ -7,11 +7,37 @@ from pathlib import Path
 
 import pytest
 
+from analysis.arrays import FloatArray
 from analysis.files import read_csv
+from analysis.search.probability import estimate
 from benchmarks.measuring.one_pedestrian import SPACE
 from cosim.cli import main
+from cosim.search.estimate import first_seed
 
 pytestmark = pytest.mark.sumo
+
+
+class Noted:
+    """Stands for a search space of one number: notes what is drawn, and answers each draw with a margin."""
+
+    def __init__(self) -> None:
+        self.drawn: set[float] = set()
+
+    def __call__(self, inputs: FloatArray) -> FloatArray:
+        self.drawn |= set(inputs[:, 0].tolist())
+        margins: FloatArray = 2.0 - inputs[:, 0]
+        return margins
+
+
+@pytest.mark.parametrize("method", ["subset", "importance"])
+def test_estimates_with_neighbouring_seeds_share_no_replication(method: str) -> None:
+    drawn = []
+    for seed in (0, 1, 2):
+        noted = Noted()
+        estimate(method, noted, 3, variation=0.3, most=3000, seed=first_seed(seed))
+        drawn.append(noted.drawn)
+    assert not drawn[0] & drawn[1]
+    assert not drawn[1] & drawn[2]
 
 
 def arguments(folder: Path, out: Path, *more: str) -> list[str]:

@@ -71,6 +71,14 @@ def test_it_finds_preventable_failures_and_lists_the_others_apart(found: Path) -
 
 
 @pytest.mark.long
+def test_influences_need_forty_trials_not_forty_runs_with_averaged_seeds(tmp_path: Path) -> None:
+    (tmp_path / "space.toml").write_text('seed = "averaged"\nseeds = 4\n' + PASSAGES)
+    assert main(arguments(tmp_path, tmp_path / "found", "--method", "sobol", "--no-shrink")) == 0
+    assert len(read_csv(tmp_path / "found/trials.csv")) == 40
+    assert read_csv(tmp_path / "found/sensitivity.csv") == []
+
+
+@pytest.mark.long
 def test_a_kind_has_a_name_a_command_and_the_smallest_change_back_to_success(found: Path) -> None:
     first = read_csv(found / "kinds.csv")[0]
     assert first["name"].startswith("contact hard at the front on the carriageway")
