@@ -15,6 +15,7 @@ from sumo_scenarios.model import (
     with_pedestrians,
 )
 from sumo_scenarios.parameters import (
+    check_parameters,
     parameter_choices,
     parameter_names,
     parameter_values,
@@ -126,6 +127,10 @@ def _from_folder(folder: Path, may_have_base: bool = True) -> Scenario:
         teleport_after_s=teleport_after_s,
         table=table,
     )
+    try:
+        check_parameters(scenario, table)
+    except ScenarioError as error:
+        raise ScenarioError(f"{folder / DEFINITION}: {error}") from error
     return with_pedestrians(scenario)
 
 

@@ -8,7 +8,16 @@ from typing import Any, get_args
 
 from sumo_scenarios.errors import ScenarioError
 from sumo_scenarios.model import HYBRID_LATERAL_RESOLUTION_M, Scenario, routes_of, with_pedestrians
-from sumo_scenarios.schema import Actuation, AtLeastOne, NotNegative, ParameterValue, Positive, Share, Step
+from sumo_scenarios.schema import (
+    Actuation,
+    AtLeastOne,
+    NotNegative,
+    ParameterValue,
+    Positive,
+    ScenarioTable,
+    Share,
+    Step,
+)
 from sumo_scenarios.texts import Text, kind_of, read
 
 SCENARIO_KEYS: Mapping[str, Any] = {
@@ -38,6 +47,22 @@ def parameter_names(scenario: Scenario) -> tuple[str, ...]:
     share = () if scenario.egos.share is None else ("ego_share",)
     inserted = tuple(EGO_KEYS) if scenario.egos.routes else ()
     return (*SCENARIO_KEYS, *demand, *inserted, *share, *scenario.parameters)
+
+
+def check_parameters(scenario: Scenario, table: ScenarioTable) -> None:
+    """Check that no parameter has the name of something else that runs or demand files know.
+
+    Raises
+    ------
+    ScenarioError
+        If one has; one of the two could not be set.
+    """
+    demand = {key for key in DEMAND_KEYS if getattr(scenario, key) is not None}
+    taken = {*SCENARIO_KEYS, *EGO_KEYS, *demand, "ego_share", "end_s", *table.rates, *table.times}
+    for name in sorted(taken & scenario.parameters.keys()):
+        raise ScenarioError(
+            f"key 'parameters.{name}': the name is taken; expected none of {', '.join(sorted(taken))}"
+        )
 
 
 def parameter_values(scenario: Scenario) -> dict[str, ParameterValue | None]:

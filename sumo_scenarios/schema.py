@@ -26,10 +26,13 @@ Actuation = Literal["hybrid", "move"]
 OF_VARIANTS = frozenset(
     (
         *("base", "values", "description", "duration_s", "warmup_s", "step_s", "actuation"),
-        *("lateral_resolution_m", "egos", "sensing", "pedestrians", "criteria", "search", "types"),
+        *("lateral_resolution_m", "egos", "sensing", "pedestrians", "criteria", "types"),
     )
 )
 """Keys of a scenario.toml with a base; the base gives the values of keys left out."""
+
+
+_OF_ALL_EGOS = frozenset(("routes", "vehicles", "share"))
 
 
 class Table(BaseModel):
@@ -129,6 +132,14 @@ class EgosTable(Table):
     depart_speed: str = "desired"
     """SUMO's ``departSpeed``."""
 
+    @model_validator(mode="after")
+    def used(self) -> EgosTable:
+        """Check that there are trips where something is said about them."""
+        of_trips = [key for key in type(self).model_fields if key in self.model_fields_set - _OF_ALL_EGOS]
+        if of_trips and not self.routes:
+            raise ValueError(f"'egos.{of_trips[0]}' has no effect without trips; expected [[egos.routes]]")
+        return self
+
     def check_conditions(self, parameters: Collection[str]) -> None:
         """Check that the trips depend on parameters that exist.
 
@@ -189,7 +200,7 @@ class ScenarioTable(Table):
     criteria: list[dict[str, Any]] = []
     """What ``cosim check`` holds runs against."""
     search: dict[str, Any] = {}
-    """What a search for failures may vary."""
+    """What a search for failures may vary; not in a variant, which is not searched."""
 
     @model_validator(mode="after")
     def one_source(self) -> ScenarioTable:

@@ -11,7 +11,7 @@ from sumo_scenarios.parameters import lateral_resolution, parameter_names, with_
 from sumo_scenarios.schema import ParameterValue, ScenarioTable
 
 _OF_RUNS = ("duration_s", "warmup_s", "step_s", "actuation", "lateral_resolution_m")
-_OF_THE_TABLE = ("description", "egos", "sensing", "pedestrians", "criteria", "search", "types")
+_OF_THE_TABLE = ("description", "egos", "sensing", "pedestrians", "criteria", "types")
 
 
 def variant(folder: Path, table: ScenarioTable, base: Scenario) -> Scenario:

@@ -58,11 +58,9 @@ def write_film(scene: Scene, path: Path) -> int:
     if not frames:
         raise AnalysisError(f"{scene.name}: too short to show")
     spacing = scene.case.grid.time[frames[-1]] - scene.case.grid.time[frames[0]]
-    per_second = (len(frames) - 1) / float(spacing) if len(frames) > 1 else float(FRAMES_PER_SECOND)
+    every_s = float(spacing) / (len(frames) - 1) if len(frames) > 1 else 1.0 / FRAMES_PER_SECOND
     film = Film(scene)
-    fps = max(1, round(per_second))
-    writer: AbstractMovieWriter
-    writer = PillowWriter(fps=fps) if path.suffix.lower() == ".gif" else FFMpegWriter(fps=fps)
+    writer = writer_for(path, every_s)
     # The writer chooses the format by the suffix, so only the folder is a temporary one.
     with TemporaryDirectory(dir=path.parent) as unfinished:
         part = Path(unfinished) / path.name
@@ -72,6 +70,17 @@ def write_film(scene: Scene, path: Path) -> int:
                 writer.grab_frame()
         part.replace(path)
     return len(frames)
+
+
+def writer_for(path: Path, every_s: float) -> AbstractMovieWriter:
+    """Return the writer of a film whose frames are so far apart [s]."""
+    writer = PillowWriter() if path.suffix.lower() == ".gif" else FFMpegWriter()
+    rate = 1.0 / every_s
+    if path.suffix.lower() == ".gif":
+        # GIF counts hundredths of a second. The writer drops what is beyond whole milliseconds.
+        rate = 1000.0 / (10.0 * round(100.0 * every_s) + 1e-6)
+    writer.fps = float(f"{rate:.9g}")  # type: ignore[assignment]  # the stub says int, both take fractions
+    return writer
 
 
 class Film:

@@ -262,6 +262,8 @@ def unpreventable_table(axes: Sequence[Axis]) -> Table:
     )
 
 
+TAKEN = frozenset((*trials_table(()).names(), *failures_table(()).names()))
+"""Columns of these tables that are no parameters."""
 KINDS = Table(
     "kinds",
     "One row for each kind of failures, the clearest first",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -34,6 +35,7 @@ from cosim.checks.judged import (
     with_verdict,
 )
 from cosim.checks.target import SUITE, criteria_of_scenario, criteria_of_tables
+from cosim.checks.unstarted import Pair, Varied, unstarted
 from cosim.errors import InputError, SimulationError
 from sumo_scenarios import library
 
@@ -136,12 +138,15 @@ def _studies(folder: Path) -> Mapping[Path, Sequence[Path]]:
     return found
 
 
-def _add_missing(made: Mapping[_Key, list[Made]], place: Path) -> None:
-    """Add the seeds of the study file with which a configuration was never run: an interrupted batch."""
+def _add_missing(made: dict[_Key, list[Made]], begun: Mapping[Pair, list[Varied]], place: Path) -> None:
+    """Add what the study file asks for and was never run: an interrupted batch."""
     file = place / STUDY_FILE
     if not file.is_file():
         return
-    for seed in parse_seeds(read_study_file(file, allow_programs=True).seeds):  # nothing is run
+    study = read_study_file(file, allow_programs=True)  # nothing is run
+    for (scenario, controller), varied in unstarted(study, begun):
+        made.setdefault((scenario, controller, _name_of(controller, varied)), [])
+    for seed in parse_seeds(study.seeds):
         for runs in made.values():
             if seed not in {one.seed for one in runs}:
                 runs.append(Made(seed, "", None, "", "was not made", {"place": None}))
@@ -161,11 +166,13 @@ def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
     """Return the runs of each configuration, including those that failed in a batch or were never made."""
     found: dict[_Key, list[Made]] = {}
     labels: dict[object, str] = {}
+    begun: defaultdict[Pair, list[Varied]] = defaultdict(list)
     for run in study.runs:
         if run.folder.is_relative_to(place / FAILED):
             continue  # files of a failed run, whose own file says why it failed
         reason = "" if run.valid else run.invalid_reason or "the run did not end"
         note = _noted(run.folder)
+        begun[run.scenario_id, str(note.get("controller", run.controller))].append(note.get("varied", {}))
         label = labels[_asked_for(run.scenario_id, run.controller, note)] = _label(study, run)
         found.setdefault((run.scenario_id, run.controller, label), []).append(
             Made(
@@ -183,8 +190,9 @@ def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
             raise SimulationError(failure["reason"])
         scenario, controller = failure["scenario"], failure["controller"]
         asked_for = _asked_for(scenario, controller, failure)
-        varied = " ".join(f"{key}={value}" for key, value in failure.get("varied", {}).items())
-        label = labels.get(asked_for, f"{controller} {varied}".strip())
+        varied = failure.get("varied", {})
+        begun[scenario, controller].append(varied)
+        label = labels.get(asked_for, _name_of(controller, varied))
         lost = Made(
             failure["seed"],
             failure["command"],
@@ -194,13 +202,18 @@ def _made(study: Study, place: Path, root: Path) -> Mapping[_Key, list[Made]]:
             {"place": failure.get("place")},
         )
         found.setdefault((scenario, controller, label), []).append(lost)
-    _add_missing(found, place)
+    if found or place != root:
+        _add_missing(found, begun, place)
     return {key: sorted(made, key=lambda one: one.seed) for key, made in found.items()}
 
 
 def _asked_for(scenario: str, controller: str, note: Mapping[str, Any]) -> object:
     """Return what distinguishes the configurations of a study, for finished and for failed runs."""
     return scenario, controller, tuple(sorted(note.get("varied", {}).items()))
+
+
+def _name_of(controller: str, varied: Varied) -> str:
+    return " ".join([controller, *(f"{key}={value}" for key, value in varied.items())])
 
 
 def _label(study: Study, run: StudyRun) -> str:

@@ -10,8 +10,8 @@ from typing import Any
 from analysis.search.axes import Point
 from cosim.batches.study import toml_value
 from cosim.errors import InputError
-from cosim.search.space import LONGEST_PASSAGE_S, Space, filled
-from cosim.search.subject import PASSAGE, Subject
+from cosim.search.space import LONGEST_PASSAGE_S, PASSAGE, Space, filled
+from cosim.search.subject import Subject
 from sumo_scenarios import library
 
 _RUN_KEYS = ("duration_s", "warmup_s", "step_s")

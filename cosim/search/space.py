@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from analysis.errors import did_you_mean
 from analysis.search.axes import Axis, Value, rounded
+from analysis.search.results import TAKEN
 from cosim.errors import InputError
 from cosim.toml_files import read_toml
 from sumo_scenarios.distribution import Distribution, read_distribution
@@ -21,6 +22,10 @@ from sumo_scenarios.errors import most_telling
 LONGEST_PASSAGE_S = 30.0
 """Longest simulated time of a trial after its warm-up [s]."""
 TAILS = 1e-9
+PASSAGE = "passage"
+"""Name of the axis that says where a trial takes place."""
+OF_PASSAGES = ("crossing", "route")
+"""Further properties of a passage that a table may name."""
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 
 
@@ -148,6 +153,7 @@ def read_space(content: Mapping[str, Any], place: str, folder: Path | None = Non
         table = SearchTable.model_validate(content)
     except ValidationError as error:
         raise InputError(f"{place}: {_first_line(error)}") from error
+    _check_free(table, place)
     parameters = tuple(_parameter(name, one, place) for name, one in table.parameters.items())
     _check_conditions(table, place)
     if not parameters and table.where is None:
@@ -200,6 +206,15 @@ def filled(value: Any, values: Mapping[str, Any], place: str) -> Any:
     if isinstance(value, list):
         return [filled(inner, values, place) for inner in value]
     return value
+
+
+def _check_free(table: SearchTable, place: str) -> None:
+    taken = TAKEN if table.where is None else TAKEN | {PASSAGE, *OF_PASSAGES}
+    for name in table.parameters:
+        if name in taken:
+            raise InputError(
+                f"{place}: parameters.{name}: the name is taken; expected none of {', '.join(sorted(taken))}"
+            )
 
 
 def _check_conditions(table: SearchTable, place: str) -> None:

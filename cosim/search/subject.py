@@ -18,17 +18,13 @@ from cosim.batches.criteria_file import tables_in
 from cosim.errors import InputError
 from cosim.inspection.passages import Passage, passages, read_ways
 from cosim.running import inventory
-from cosim.search.space import Parameter, Space, read_space, read_space_file
+from cosim.search.space import OF_PASSAGES, PASSAGE, Parameter, Space, read_space, read_space_file
 from sumo_scenarios import library
 from sumo_scenarios.distribution import Distribution
 from sumo_scenarios.library import Scenario
 
 CROSSINGS = Path(__file__).parent / "crossings.toml"
 """Default space: a pedestrian crosses at any crossing of the network, timed to meet the ego."""
-PASSAGE = "passage"
-"""Name of the axis that says where a trial takes place."""
-OF_PASSAGES = ("crossing", "route")
-"""Further properties of a passage that a table may name."""
 
 
 @dataclass(frozen=True, slots=True)

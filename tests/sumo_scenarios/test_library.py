@@ -260,6 +260,25 @@ routes = ["r.xml"]
         ('sumocfg = "a"\n' + DEFINITION, "expected exactly one of"),
         (DEFINITION + '[rates]\nx = { of = "trams", share = 1.0 }', "there are: pedestrians_per_hour"),
         (DEFINITION + '[[egos.routes]]\nedges = "a"\nwhen = { turn = "x" }', "parameters that exist: none"),
+        (
+            DEFINITION + "[egos]\ncount = 2",
+            "'egos.count' has no effect without trips; expected [[egos.routes]]",
+        ),
+        (DEFINITION + "[egos]\nshare = 0.5\nheadway_s = 9.0", "'egos.headway_s' has no effect without trips"),
+        *(
+            (
+                DEFINITION + f'{more}\n[parameters.{name}]\ndefault = 1.0\ndescription = "x"',
+                f"key 'parameters.{name}': the name is taken; expected none of actuation, ",
+            )
+            for name, more in (
+                ("duration_s", ""),
+                ("ego_headway_s", ""),
+                ("end_s", ""),
+                ("vehicles_per_hour", "vehicles_per_hour = 300.0"),
+                ("cars_per_s", '[rates]\ncars_per_s = { of = "cars_per_s", share = 1.0 }'),
+                ("soon_s", "[times]\nsoon_s = 1.0"),
+            )
+        ),
         (DEFINITION + "= 3", "not valid TOML"),
     ],
 )

@@ -159,6 +159,24 @@ def test_a_failed_run_counts_once_and_for_its_own_configuration(varied: Path) ->
     assert [row["status"] for row in means] == ["invalid", "pass"]
 
 
+def test_configurations_of_which_no_run_was_begun_are_told(varied: Path) -> None:
+    """Values that were never reached, a controller and a scenario without any run."""
+    text = STUDY.replace("[0.5, 1.5]", "[0.5, 1.5, 2.0]").replace('["sumo"]', '["sumo", "aeb"]')
+    (varied / "study.toml").write_text(text.replace('["road"]', '["road", "far/lane.sumocfg"]'))
+    assert judged(varied) == 3
+    found = [row for row in rows(varied) if row["criterion_id"] == "valid" and row["note"] == "was not made"]
+    assert sorted({(row["scenario_id"], row["configuration"]) for row in found}) == [
+        ("lane", "aeb"),
+        ("lane", "sumo"),
+        ("road", "aeb"),
+        ("road", "sumo gap_s=2.0"),
+    ]
+    assert [row["seed"] for row in found] == ["1", "2"] * 4
+    assert {row["status"] for row in found} == {"invalid"}
+    means = [row for row in rows(varied) if row["scope"] == "configuration"]
+    assert [row["status"] for row in means].count("invalid") == 5
+
+
 @pytest.mark.parametrize("content", ['{"run": ', '{"run": "a", "reason": "b"}'])
 def test_a_failed_run_that_cannot_be_read_is_told_in_one_line(
     varied: Path, capsys: pytest.CaptureFixture[str], content: str

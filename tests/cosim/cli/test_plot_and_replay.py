@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.animation import FFMpegWriter
 from matplotlib.collections import Collection
 from PIL import Image
 
@@ -27,7 +28,7 @@ def in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def one_encounter(folder: Path, duration: float) -> Path:
+def one_encounter(folder: Path, duration: float, step: float = 0.1) -> Path:
     """Write a run with one encounter and return its folder."""
     write_run(
         folder,
@@ -35,6 +36,7 @@ def one_encounter(folder: Path, duration: float) -> Path:
         [Person(line(32.5, -5.0, 0.0, 0.9))],
         [Vehicle(line(20.0, 3.0, 5.0, 0.0))],
         duration=duration,
+        step=step,
     )
     seal_recording(folder)
     return folder
@@ -104,6 +106,25 @@ def test_a_film_has_a_frame_for_every_recorded_instant_and_the_same_bytes_twice(
     with Image.open("one.gif") as film:
         assert film.n_frames == len(frame_indices(scene)) == 9  # type: ignore[attr-defined]  # a GIF has it
         assert film.info["duration"] == 100  # ms, as long as a recorded step
+
+
+@pytest.mark.parametrize(("step", "duration_ms"), [(0.3, 300), (0.4, 400), (0.15, 150), (0.033, 100)])
+def test_a_second_of_film_is_a_second_of_the_run_for_every_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: float, duration_ms: int
+) -> None:
+    """A GIF counts hundredths of a second; three steps of 0.033 s are 0.099 s."""
+    one_encounter(tmp_path / "brief", 4 * step, step)
+    monkeypatch.setattr("analysis.plots.animation.DOTS_PER_INCH", 20)
+    assert main(["replay", "brief", "--encounter", "1", "--out", "a.gif"]) == 0
+    with Image.open("a.gif") as film:
+        assert film.info["duration"] == duration_ms
+
+
+@pytest.mark.parametrize(("step", "rate"), [(0.1, 10.0), (0.3, 10 / 3), (0.4, 2.5)])
+def test_a_film_with_ffmpeg_has_the_rate_of_the_recording(step: float, rate: float) -> None:
+    writer = animation.writer_for(Path("a.mp4"), step)
+    assert isinstance(writer, FFMpegWriter)
+    assert writer.fps == pytest.approx(rate)
 
 
 def outline(bodies: Collection) -> np.ndarray:

@@ -48,6 +48,14 @@ def test_a_parameter_is_an_axis_with_a_distribution() -> None:
         (space(speed_mps={**SPEED, "choices": ["a"]}), "expected either 'choices' or a range"),
         (space(speed_mps={**SPEED, "unit": "m"}), "unknown key 'parameters.speed_mps.unit'"),
         ({**space(speed_mps=SPEED), "seed": "any"}, "key 'seed': input should be 'fixed'"),
+        *(
+            (
+                space(**{name: SPEED}),
+                f"parameters.{name}: the name is taken; expected none of clearance_min_m",
+            )
+            for name in ("margin", "seed", "kind", "happening", "min_ttc_s", "status")
+        ),
+        ({**space(route=SPEED), "where": {}}, "parameters.route: the name is taken"),
         ({}, "nothing to vary; expected at least one of"),
         (
             space(speed_mps={**SPEED, "distribution": {"normal": [9.0, 0.001]}}),
