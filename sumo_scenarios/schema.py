@@ -32,9 +32,6 @@ OF_VARIANTS = frozenset(
 """Keys of a scenario.toml with a base; the base gives the values of keys left out."""
 
 
-_OF_ALL_EGOS = frozenset(("routes", "vehicles", "share"))
-
-
 class Table(BaseModel):
     """A TOML table whose keys are all known."""
 
@@ -131,14 +128,6 @@ class EgosTable(Table):
     """SUMO's ``departLane``."""
     depart_speed: str = "desired"
     """SUMO's ``departSpeed``."""
-
-    @model_validator(mode="after")
-    def used(self) -> EgosTable:
-        """Check that there are trips where something is said about them."""
-        of_trips = [key for key in type(self).model_fields if key in self.model_fields_set - _OF_ALL_EGOS]
-        if of_trips and not self.routes:
-            raise ValueError(f"'egos.{of_trips[0]}' has no effect without trips; expected [[egos.routes]]")
-        return self
 
     def check_conditions(self, parameters: Collection[str]) -> None:
         """Check that the trips depend on parameters that exist.

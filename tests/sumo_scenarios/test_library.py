@@ -260,11 +260,6 @@ routes = ["r.xml"]
         ('sumocfg = "a"\n' + DEFINITION, "expected exactly one of"),
         (DEFINITION + '[rates]\nx = { of = "trams", share = 1.0 }', "there are: pedestrians_per_hour"),
         (DEFINITION + '[[egos.routes]]\nedges = "a"\nwhen = { turn = "x" }', "parameters that exist: none"),
-        (
-            DEFINITION + "[egos]\ncount = 2",
-            "'egos.count' has no effect without trips; expected [[egos.routes]]",
-        ),
-        (DEFINITION + "[egos]\nshare = 0.5\nheadway_s = 9.0", "'egos.headway_s' has no effect without trips"),
         *(
             (
                 DEFINITION + f'{more}\n[parameters.{name}]\ndefault = 1.0\ndescription = "x"',

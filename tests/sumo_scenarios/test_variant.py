@@ -86,7 +86,6 @@ def test_a_base_may_be_a_folder_relative_to_the_variant(tmp_path: Path) -> None:
         ("accepted_gap_s = 2.5", "accepted_gap_s = -1.0", "accepted_gap_s=-1.0: expected at least 0"),
         ("[egos]", "[demand]\nroutes = []\n[egos]", "'demand' does not go with 'base'"),
         ("[egos]", "[search]\nduration_s = 9.0\n[egos]", "'search' does not go with 'base'"),
-        ('routes = [{ edges = "east" }]', "", "'egos.count' has no effect without trips"),
         (
             "[egos]",
             'types = "t.add.xml"\n[egos]',
