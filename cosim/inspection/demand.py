@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -49,6 +50,8 @@ class Demand:
     persons: float = 0.0
     ways: defaultdict[Way, float] = field(default_factory=lambda: defaultdict(float))
     """Expected number of passenger cars, and of other vehicles with a whole route, by their given edges."""
+    walked: dict[str, str] = field(default_factory=dict)
+    """Edges that persons walk on, begin at or go to, with the first who does, in words."""
     ignored: dict[Path, list[str]] = field(default_factory=dict)
     """Ids that SUMO ignores because an earlier entry departs later, by route file."""
     closed: dict[str, None] = field(default_factory=dict)
@@ -136,6 +139,8 @@ class _Reader:
         for element, count in self._found:
             if element.tag in _WALKERS:
                 self._demand.persons += count
+                for edge in _walked(element):
+                    self._demand.walked.setdefault(edge, f"{element.tag} {element.get('id', '?')!r}")
                 continue
             name = element.get("type", "DEFAULT_VEHTYPE")
             kind = self._class(name)
@@ -216,6 +221,13 @@ class _Reader:
         duration = max(min(ends, self._end_s) - max(begins, self._begin_s), 0.0)
         # If neither the flow nor the run has an end, count one hour of the flow.
         return rate * (3600.0 if math.isinf(duration) else duration)
+
+
+def _walked(person: ElementTree.Element) -> Iterator[str]:
+    """Yield the edges that the plan of a person names."""
+    for stage in person:
+        for key in ("from", "edges", "to"):
+            yield from stage.get(key, "").split()
 
 
 def _edges(route: ElementTree.Element) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from cosim.inspection.demand import CAR, Demand
 from cosim.inspection.finding import Finding, Level
 from cosim.inspection.source import Source
+from cosim.sumo.network import Network
 
 LANE_CHANGE_MODEL = "lane-change model"
 
@@ -58,6 +59,16 @@ def unknown_names(demand: Demand) -> list[Finding]:
     more = f" (and {len(demand.unknown) - 1} more like this)" if len(demand.unknown) > 1 else ""
     text = f"{demand.unknown[0]}{more}: SUMO stops when it reads this; define it above its first use"
     return [Finding("types and routes", Level.MISSING, text)]
+
+
+def unknown_edges(demand: Demand, network: Network) -> list[Finding]:
+    """Name the first person whose plan has an edge that does not exist."""
+    unknown = [(edge, who) for edge, who in demand.walked.items() if edge not in network.edges]
+    if not unknown:
+        return []
+    (edge, who), more = unknown[0], f" (and {len(unknown) - 1} more edges)" if len(unknown) > 1 else ""
+    text = f"{who} goes along edge {edge!r}, which does not exist{more}: SUMO stops when it reads this"
+    return [Finding("plans of persons", Level.MISSING, text)]
 
 
 def lane_change_model(demand: Demand) -> list[Finding]:

@@ -94,6 +94,7 @@ def inspect_source(source: Source) -> Inspection:
         demand_findings.persons(source, demand),
         *demand_findings.sorting(demand),
         *demand_findings.unknown_names(demand),
+        *demand_findings.unknown_edges(demand, network),
         *demand_findings.lane_change_model(demand),
         *demand_findings.closed_lanes(demand),
         options.step_length(source),

@@ -393,3 +393,21 @@ def test_types_and_routes_that_sumo_accepts_are_not_called_unknown(tmp_path: Pat
     found = inspect(configure(tmp_path, PERSONS + CARS + demand))
     assert {"types and routes", "car routes"}.isdisjoint(one.check for one in found.findings)
     assert not stops_sumo(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "stage",
+    [
+        '<walk edges="east_1 gone"/>',
+        '<walk from="east_1" to="gone"/>',
+        '<personTrip from="gone" to="east_1"/>',
+    ],
+)
+@pytest.mark.sumo
+def test_a_person_whose_plan_has_an_edge_that_does_not_exist_is_told(tmp_path: Path, stage: str) -> None:
+    build(tmp_path, *WALKS, *CROSSINGS)
+    lost = f'<person id="lost" depart="5">{stage}</person>'
+    found = inspect(configure(tmp_path, PERSONS + CARS + lost))
+    assert missing(found) == {"plans of persons"}
+    assert "person 'lost' goes along edge 'gone'" in finding(found, "plans of persons").text
+    assert stops_sumo(tmp_path)
