@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 import sumo
 
-from analysis.encounters.case import prepare
+from analysis.encounters.case import prepare, prepare_traffic
+from analysis.encounters.recorded_case import read_case
 from analysis.files import read_csv
 from analysis.recording.levels import levels_of
 from analysis.recording.reading import read_run
@@ -51,14 +52,14 @@ def town(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built(tmp_path_factory.mktemp("bridge"))
 
 
-def built(folder: Path, bridge: str = "bridge") -> Path:
-    """Build the network with an edge of that name as the bridge, and return the configuration."""
-    for name, text in (("nod", NODES), ("edg", EDGES.replace("bridge", bridge))):
+def built(folder: Path, nodes: str = NODES, edges: str = EDGES, demand: str = DEMAND) -> Path:
+    """Build the network and return the configuration."""
+    for name, text in (("nod", nodes), ("edg", edges)):
         (folder / f"{name}.xml").write_text(text)
-    options = ["-n", "nod.xml", "-e", "edg.xml", "--sidewalks.guess", "--sidewalks.guess.max-speed", "20"]
-    netconvert = str(Path(sumo.SUMO_HOME) / "bin" / "netconvert")
-    subprocess.run([netconvert, *options, "-o", "town.net.xml"], cwd=folder, check=True, capture_output=True)
-    (folder / "town.rou.xml").write_text(DEMAND.replace("bridge", bridge))
+    options = ["--sidewalks.guess", "--sidewalks.guess.max-speed", "20", "--crossings.guess"]
+    command = [str(Path(sumo.SUMO_HOME) / "bin" / "netconvert"), "-n", "nod.xml", "-e", "edg.xml", *options]
+    subprocess.run([*command, "-o", "town.net.xml"], cwd=folder, check=True, capture_output=True)
+    (folder / "town.rou.xml").write_text(demand)
     path = folder / "town.sumocfg"
     path.write_text(CONFIGURATION)
     return path
@@ -84,15 +85,26 @@ def test_nobody_on_a_bridge_is_in_the_way_or_struck(town: Path, tmp_path: Path) 
     assert (len(case.overlaps), len(case.encounters), len(case.contacts)) == (0, 0, 0)
 
 
-def test_traffic_on_both_levels_is_judged_apart(town: Path, tmp_path: Path) -> None:
-    out = tmp_path / "run"
+def test_traffic_on_both_levels_is_judged_apart(tmp_path: Path) -> None:
+    """A crossing 15 m behind the bridge, because traffic is recorded near crossings only."""
+    nodes = NODES.replace('<node id="c"', '<node id="m" x="215" y="0"/><node id="c"')
+    edges = EDGES.replace('to="b"', 'to="m"').replace(
+        '<edge id="bridge"',
+        '<edge id="on" from="m" to="b" numLanes="2" speed="13.89"/>'
+        '<edge id="back" from="m" to="a" numLanes="1" speed="13.89"/><edge id="bridge"',
+    )
+    demand = DEMAND.replace('<route edges="street"/>', '<route edges="street on"/>')
+    town, out = built(tmp_path, nodes, edges, demand), tmp_path / "run"
     outcome = execute(RunRequest(str(town), controller="sumo", ego_share=0.0, record="everybody", out=out))
     assert not outcome.invalid_reason
     assert read_csv(out / "traffic_encounters.csv") == []
+    flat = replace(read_case(out, traffic=True).run, levels=levels_of({}))
+    assert {one.person.name for one in prepare_traffic(flat).encounters} == {"walker"}
 
 
 def test_a_bridge_called_like_a_lane_of_the_street_is_apart_from_it(tmp_path: Path) -> None:
-    town, out = built(tmp_path, "street_1"), tmp_path / "run"
+    edges, demand = (text.replace("bridge", "street_1") for text in (EDGES, DEMAND))
+    town, out = built(tmp_path, edges=edges, demand=demand), tmp_path / "run"
     execute(RunRequest(str(town), controller="sumo", ego_vehicle="ego", out=out))
     run = read_run(out)
     assert {"walker", "above"} <= set(run.neighbours.texts["object_id"].names)
