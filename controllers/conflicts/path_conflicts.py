@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from controllers.arrays import FloatArray, IntArray
 from controllers.conflicts.band_overlap import sampled_overlap, speed_across, straight_overlap
@@ -129,7 +128,8 @@ def find(
         forecast = _with_assumptions(forecast, people, known)
     across_speed, enter, leave = _times_in_band(people, known, band, side_margin, forecast, clearance)
     # Those who may set off at any time may also leave at any time: nothing can be planned for after them.
-    leave = np.where(known.assumed & _stand(people, assume), np.inf, leave)
+    stand = np.array([name in watch.stopped_at for name in people.names], dtype=np.bool_)
+    leave = np.where(known.assumed & stand, np.inf, leave)
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
     # they would come first, and the ego could let nobody ahead pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
@@ -182,11 +182,6 @@ def _times_in_band(
         enter = np.where(known.enters, enter, np.where(clearance < occupied, 0.0, np.inf))
         leave = np.where(known.enters, leave, np.inf)
     return across_speed, enter, leave
-
-
-def _stand(people: Pedestrians, assume: PedestrianAssumptions) -> NDArray[np.bool_]:
-    """Return who stands, shape (n,)."""
-    return np.asarray(np.hypot(people.along_speed, people.across_speed) < assume.standing_below)
 
 
 def _with_assumptions(forecast: Forecast, people: Pedestrians, known: Expectation) -> Forecast:

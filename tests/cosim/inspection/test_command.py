@@ -12,8 +12,8 @@ import pytest
 from cosim.cli import main
 from sumo_scenarios.sumo_installation import packaged_file
 from tests.cosim.cli.test_cli import refused
-from tests.cosim.inspection.test_findings import BRAUNSCHWEIG, CARS, CROSSINGS, PERSONS, WALKS
-from tests.cosim.inspection.towns import build, call_line, configure
+from tests.cosim.inspection.test_findings import BRAUNSCHWEIG
+from tests.cosim.inspection.towns import CARS, CROSSINGS, PERSONS, WALKS, build, call_line, configure
 
 
 @pytest.fixture(autouse=True)

@@ -11,31 +11,15 @@ from pathlib import Path
 import pytest
 
 from controllers.interface import CrossingKind
-from cosim.inspection.finding import Finding, Level
-from cosim.inspection.inspection import Inspection, inspect
+from cosim.inspection.finding import Level
+from cosim.inspection.inspection import inspect
 from cosim.inspection.scaffold import write_scaffold
 from cosim.inspection.walks import walks_over
 from sumo_scenarios.sumo_installation import packaged_file
-from tests.cosim.inspection.towns import build, call_line, configure
+from tests.cosim.inspection.found import finding, missing
+from tests.cosim.inspection.towns import CARS, CROSSINGS, PERSONS, WALKS, build, call_line, configure
 
 BRAUNSCHWEIG = "tools/game/fokr_bs_demo.sumocfg"
-WALKS = ("--sidewalks.guess", "--sidewalks.guess.max-speed", "13.9")
-CROSSINGS = ("--crossings.guess", "--crossings.guess.speed-threshold", "13.9")
-CARS = '<flow id="cars" begin="0" end="300" vehsPerHour="360" from="east_1" to="east_2"/>'
-PERSONS = (
-    '<personFlow id="walkers" begin="0" end="300" period="10"><walk from="east_1" to="west_2"/></personFlow>'
-)
-
-
-def finding(found: Inspection, check: str) -> Finding:
-    """Return the one finding of a check."""
-    (one,) = [one for one in found.findings if one.check == check]
-    return one
-
-
-def missing(found: Inspection) -> set[str]:
-    """Return the checks that say that something is missing."""
-    return {one.check for one in found.findings if one.level is Level.MISSING}
 
 
 def test_braunschweig_is_what_its_files_say() -> None:
@@ -306,108 +290,3 @@ def test_what_is_closed_to_cars_gives_no_ego_route(tmp_path: Path) -> None:
     net.write_text(text)
     found = inspect(net)
     assert {"roads", "ego routes"} <= missing(found)
-
-
-def stops_sumo(folder: Path) -> bool:
-    """Return whether SUMO itself stops with an error."""
-    try:
-        call_line("sumo -c town.sumocfg --no-warnings", folder)
-    except subprocess.CalledProcessError:
-        return True
-    return False
-
-
-GAP = '<route edges="east_1 west_1"/>'
-
-
-@pytest.mark.parametrize(
-    "vehicle",
-    [
-        '<trip id="lost" depart="5" from="gone" to="east_2"/>',
-        '<trip id="lost" depart="5" from="east_2" to="east_1"/>',
-        f'<vehicle id="lost" depart="5">{GAP}</vehicle>',
-        f'<route id="r" {GAP[7:]}<vehicle id="lost" depart="5" route="r"/>',
-        f'<vType id="bus" vClass="bus"/><vehicle id="lost" depart="5" type="bus">{GAP}</vehicle>',
-        f'<routeDistribution id="d"><route edges="east_1 east_2" probability="0"/>{GAP}</routeDistribution>'
-        '<vehicle id="lost" depart="5" route="d"/>',
-        f'<route id="r" {GAP[7:]}<routeDistribution id="d" routes="r" probabilities="3"/>'
-        '<vehicle id="lost" depart="5" route="d"/>',
-    ],
-)
-@pytest.mark.sumo
-def test_a_vehicle_that_sumo_stops_at_is_told(tmp_path: Path, vehicle: str) -> None:
-    build(tmp_path, *WALKS, *CROSSINGS, "--no-turnarounds")
-    path = configure(tmp_path, PERSONS + CARS + vehicle)
-    one = finding(inspect(path), "car routes")
-    assert one.level is Level.DANGER
-    assert one.text.startswith("1 vehicles")
-    assert stops_sumo(tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("demand", "words"),
-    [
-        ('<trip id="v" type="b" depart="5" from="east_1" to="east_2"/>', "trip 'v' has the type 'b'"),
-        ('<vehicle id="v" route="b" depart="5"/>', "vehicle 'v' has the route 'b'"),
-        (
-            '<person id="p" type="b" depart="5"><walk from="east_1" to="west_2"/></person>',
-            "person 'p' has the",
-        ),
-        ('<vTypeDistribution id="d" vTypes="b"/>', "vTypeDistribution 'd' has the type 'b'"),
-        ('<routeDistribution id="d" routes="b"/>', "routeDistribution 'd' has the route 'b'"),
-        (
-            '<trip id="v" type="b" depart="5" from="east_1" to="east_2"/><vType id="b"/>',
-            "the type 'b', which is defined only below it: ",
-        ),
-        (
-            '<vehicle id="v" route="b" depart="5"/><route id="b" edges="east_1 east_2"/>',
-            "the route 'b', which is defined only below it: ",
-        ),
-    ],
-)
-@pytest.mark.sumo
-def test_types_and_routes_that_no_file_defines_are_named(tmp_path: Path, demand: str, words: str) -> None:
-    build(tmp_path, *WALKS, *CROSSINGS)
-    found = inspect(configure(tmp_path, PERSONS + CARS + demand))
-    assert missing(found) == {"types and routes"}
-    assert words in finding(found, "types and routes").text
-    assert stops_sumo(tmp_path)
-
-
-@pytest.mark.parametrize(
-    "demand",
-    [
-        '<vehicle id="late" depart="305"><route edges="east_1 west_1"/></vehicle>',
-        '<route id="unused" edges="east_1 west_1"/>',
-        '<vType id="b"/><vTypeDistribution id="d" vTypes="b"/><route id="r" edges="east_1 east_2"/>'
-        '<routeDistribution id="e" routes="r"/><flow id="v" type="d" route="e" begin="5" end="9" number="2"/>',
-        '<vTypeDistribution id="d"><vType id="b"/></vTypeDistribution>'
-        '<trip id="v" type="b" depart="5" from="east_1" to="east_2"/>',
-        '<person id="p" type="DEFAULT_BIKETYPE" depart="5"><walk from="east_1" to="west_2"/></person>',
-        '<trip id="v" type="DEFAULT_RAILTYPE" depart="5" from="east_1" to="east_2"/>',
-    ],
-)
-@pytest.mark.sumo
-def test_types_and_routes_that_sumo_accepts_are_not_called_unknown(tmp_path: Path, demand: str) -> None:
-    build(tmp_path, *WALKS, *CROSSINGS, "--no-turnarounds")
-    found = inspect(configure(tmp_path, PERSONS + CARS + demand))
-    assert {"types and routes", "car routes"}.isdisjoint(one.check for one in found.findings)
-    assert not stops_sumo(tmp_path)
-
-
-@pytest.mark.parametrize(
-    "stage",
-    [
-        '<walk edges="east_1 gone"/>',
-        '<walk from="east_1" to="gone"/>',
-        '<personTrip from="gone" to="east_1"/>',
-    ],
-)
-@pytest.mark.sumo
-def test_a_person_whose_plan_has_an_edge_that_does_not_exist_is_told(tmp_path: Path, stage: str) -> None:
-    build(tmp_path, *WALKS, *CROSSINGS)
-    lost = f'<person id="lost" depart="5">{stage}</person>'
-    found = inspect(configure(tmp_path, PERSONS + CARS + lost))
-    assert missing(found) == {"plans of persons"}
-    assert "person 'lost' goes along edge 'gone'" in finding(found, "plans of persons").text
-    assert stops_sumo(tmp_path)

@@ -18,15 +18,14 @@ from cosim.inspection.source import read_source
 from cosim.sumo.network import Network, WalkingArea
 from cosim.sumo.network_file import read_network
 from cosim.sumo.path import Path
-from tests.cosim.inspection.towns import build, configure
+from tests.cosim.inspection.towns import CROSSINGS, WALKS, build, configure
 
-WALKS = ("--sidewalks.guess", "--sidewalks.guess.max-speed", "13.9")
-CROSSINGS = ("--crossings.guess", "--crossings.guess.speed-threshold", "13.9", "--no-turnarounds")
+CROSSED = (*WALKS, *CROSSINGS, "--no-turnarounds")
 
 
 @pytest.fixture(scope="module")
 def town(tmp_path_factory: pytest.TempPathFactory) -> Network:
-    return read_network(build(tmp_path_factory.mktemp("town"), *WALKS, *CROSSINGS))
+    return read_network(build(tmp_path_factory.mktemp("town"), *CROSSED))
 
 
 def changed(town: Network, **parts: object) -> Network:
@@ -114,7 +113,7 @@ def test_a_car_that_turns_sweeps_more_than_its_width() -> None:
 
 
 def test_a_step_that_is_not_given_is_said_and_the_scaffold_sets_one(tmp_path: File) -> None:
-    build(tmp_path, *WALKS, *CROSSINGS)
+    build(tmp_path, *CROSSED)
     path = configure(tmp_path)
     path.write_text(path.read_text().replace('<step-length value="0.1"/>', ""))
     found = step_length(read_source(path))
@@ -127,7 +126,7 @@ def test_a_step_that_is_not_given_is_said_and_the_scaffold_sets_one(tmp_path: Fi
 
 
 def test_the_scaffold_sets_the_step_that_it_advises(tmp_path: File) -> None:
-    build(tmp_path, *WALKS, *CROSSINGS)
+    build(tmp_path, *CROSSED)
     found = inspect(configure(tmp_path, step="1"))
     assert any("cosim run --step-s 0.1" in one.text for one in found.findings)
     write_scaffold(found, tmp_path / "made")

@@ -12,6 +12,12 @@ import sumo
 NODES = (("a", 0, 0), ("b", 200, 0), ("c", 400, 0), ("d", 200, 200))
 ROADS = (("east_1", "a", "b"), ("west_2", "b", "a"), ("east_2", "b", "c"), ("west_1", "c", "b"))
 SIDE_ROAD = (("north", "b", "d"), ("south", "d", "b"))
+WALKS = ("--sidewalks.guess", "--sidewalks.guess.max-speed", "13.9")
+CROSSINGS = ("--crossings.guess", "--crossings.guess.speed-threshold", "13.9")
+CARS = '<flow id="cars" begin="0" end="300" vehsPerHour="360" from="east_1" to="east_2"/>'
+PERSONS = (
+    '<personFlow id="walkers" begin="0" end="300" period="10"><walk from="east_1" to="west_2"/></personFlow>'
+)
 
 
 def build(folder: Path, *options: str, lanes: int = 2, junction: bool = True) -> Path:
