@@ -7,7 +7,11 @@ CosimError
 
 from __future__ import annotations
 
+import errno
 import os
+
+_OF_ZSTD = "Allocation error"
+"""Message of zstd when memory runs out, which pyarrow reports as an error of the file."""
 
 
 class CosimError(Exception):
@@ -29,3 +33,12 @@ def reason_of(error: Exception) -> str:
     'No space left on device'
     """
     return os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+
+
+def lacks_memory(error: OSError) -> bool:
+    """Return whether what is reported as an error of a file is a want of memory.
+
+    >>> lacks_memory(OSError(errno.ENOMEM, "Cannot allocate memory")), lacks_memory(OSError(28, "No space"))
+    (True, False)
+    """
+    return error.errno == errno.ENOMEM or (error.errno is None and _OF_ZSTD in str(error))

@@ -14,6 +14,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from cosim.errors import lacks_memory
 from cosim.processes import uninterrupted
 
 Column = Sequence[Any] | NDArray[np.float64]
@@ -25,8 +26,6 @@ NEW = ".new"
 AT_RISK = 32
 """A crash of the process loses at most the rows of one chunk divided by this."""
 ROWS_PER_CHUNK = 8192
-_NO_MEMORY = "Allocation error"
-"""Message of zstd when memory runs out, which pyarrow reports as an error of the file."""
 _REPEATED = 3
 """Numbers that occur more often than this on average are stored with a dictionary."""
 
@@ -192,7 +191,7 @@ def _convert(
         _copy(part, unfinished, set(chunk_ends), rows_per_chunk, batches)
         unfinished.replace(path)
     except OSError as error:
-        if error.errno is None and _NO_MEMORY in str(error):
+        if lacks_memory(error):
             raise MemoryError(str(error)) from error
         raise
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
@@ -11,12 +12,12 @@ from typing import Any
 
 from pyarrow import ArrowInvalid
 
-from analysis.files import read_json, write_json
+from analysis.files import write_json
 from analysis.manifest import CLAIM, MANIFEST
 from analysis.recording.columns import SCHEMA_VERSION
 from analysis.recording.extent import EVERYBODY
 from analysis.sealing import seal_recording
-from cosim.errors import CosimError, InputError, SimulationError, reason_of
+from cosim.errors import CosimError, InputError, SimulationError, lacks_memory, reason_of
 from cosim.processes import uninterrupted
 from cosim.recording import folders, provenance
 from cosim.recording.parquet_sink import PART, recover
@@ -115,12 +116,10 @@ def _simulate(composition: Composition, folder: Path, progress: Progress, last: 
         if not recorder.ego_names and not recorder.records_everybody:
             # No ego drove, so nothing was recorded: the request cannot be met.
             raise InputError(reason) from error
-    except OSError as error:
-        reason, ended_by = f"the recording could not be written: {reason_of(error)}", error
     except KeyboardInterrupt as error:
         reason, ended_by = "interrupted", error
-    except MemoryError as error:
-        reason, ended_by = "there was not enough memory to go on", error
+    except (OSError, MemoryError) as error:
+        reason, ended_by = _could_not_go_on(error)
     except Exception as error:  # noqa: BLE001  a defect of this tool, told after the recording is complete
         reason, defect = f"internal error, {type(error).__name__}: {error}".replace("\n", " "), error
     if reason is None and recorder.teleports:
@@ -136,6 +135,14 @@ def _simulate(composition: Composition, folder: Path, progress: Progress, last: 
     if defect is not None:
         raise SimulationError(f"{reason} (recorded so far: {folder})") from defect
     return RunResult(folder, description, ended_by)
+
+
+def _could_not_go_on(error: OSError | MemoryError) -> tuple[str, OSError | MemoryError]:
+    """Return why a run ended for want of room or memory, in words and as the error that it really is."""
+    if isinstance(error, OSError) and not lacks_memory(error):
+        return f"the recording could not be written: {reason_of(error)}", error
+    lacking = error if isinstance(error, MemoryError) else MemoryError(str(error))
+    return "there was not enough memory to go on", lacking
 
 
 def _begun(folder: Path, description: Mapping[str, Any]) -> Recorder:
@@ -163,7 +170,8 @@ def keep_recorded(folder: Path, reason: str) -> dict[str, Any]:
             part.unlink(missing_ok=True)  # not even the beginning was written
         except (OSError, MemoryError) as error:
             reason += f"; {part} could not be made a table: {reason_of(error)}"
-    description = read_json(folder / "run.json")
+    # It may say already that there are hashes, which the process did not come to write.
+    description: dict[str, Any] = json.loads((folder / "run.json").read_bytes())
     description.update({"valid": False, "invalid_reason": reason, CLAIM: MANIFEST})
     _write_description(folder, description)
     return description
@@ -219,10 +227,20 @@ def _finish(
 
 
 def _write_description(folder: Path, description: dict[str, Any]) -> None:
-    """Write ``run.json`` and, last of all, the hashes of the recording."""
+    """Write ``run.json`` and, last of all, the hashes of the recording.
+
+    Raises
+    ------
+    SimulationError
+        If there is no room for them.
+    MemoryError
+        If there is not enough memory; another process may still write them.
+    """
     try:
         write_json(folder / "run.json", description)
         seal_recording(folder)
     except OSError as error:
+        if lacks_memory(error):
+            raise MemoryError(str(error)) from error
         reason = reason_of(error)
         raise SimulationError(f"the last files of {folder} could not be written: {reason}") from error

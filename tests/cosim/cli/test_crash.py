@@ -17,7 +17,7 @@ import pytest
 from cosim.recording.parquet_sink import ParquetSink, recover
 
 DISTURBED = """
-import importlib, json, os, resource, signal, sys
+import errno, importlib, json, os, resource, signal, sys
 from pathlib import Path
 from cosim.cli import main
 from cosim.processes import LOADED
@@ -32,6 +32,12 @@ def find_no_memory_to_finish():
     def fail(*_):
         raise MemoryError
     simulation._finish = fail
+    raise MemoryError
+def find_no_memory_for_the_last_files():
+    from cosim.running import simulation
+    def fail(folder):
+        raise OSError(errno.ENOMEM, "Cannot allocate memory")
+    simulation.seal_recording = fail
     raise MemoryError
 def forbid_more_memory():
     with open("/proc/self/statm") as file:
@@ -72,6 +78,7 @@ CRASHES = [
     (2, "crash", False, "SIGSEGV"),
     (LATE, "fail_without_a_word", True, "could not report"),
     (LATE, "find_no_memory_to_finish", True, "want of memory"),
+    (LATE, "find_no_memory_for_the_last_files", True, "want of memory"),
 ]
 Crashed = Callable[[int, str], tuple[Path, int, str]]
 
