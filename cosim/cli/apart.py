@@ -14,7 +14,8 @@ from types import FrameType
 OWN_PROCESS = "own process"
 """Whether the command line has its process for itself; not so where a program calls it."""
 
-CRASHES = {1: "an error that it could not report", errno.ENOMEM: "want of memory"}
+UNREPORTED = 1
+CRASHES = {UNREPORTED: "an error that it could not report", errno.ENOMEM: "want of memory"}
 """Exit codes by which `cosim run` means nothing: Python's own after an exception that nothing caught, and
 `Inside.give_up`'s."""
 
@@ -46,10 +47,13 @@ class Inside:
         if self.pipe >= 0:
             os.write(self.pipe, str(folder.resolve()).encode())
 
-    def give_up(self) -> None:
-        """End the new process, which has no memory left to finish its files; without one, do nothing."""
+    def give_up(self, error: MemoryError | SystemError) -> None:
+        """End the new process, which cannot finish its files; without one, do nothing.
+
+        Where memory is short, the interpreter's own calls may fail without saying why: a ``SystemError``.
+        """
         if self.pipe >= 0:
-            os._exit(errno.ENOMEM)
+            os._exit(errno.ENOMEM if isinstance(error, MemoryError) else UNREPORTED)
 
 
 def begin() -> Inside | Ended:

@@ -128,8 +128,8 @@ def run(
             raise SystemExit(ended.code)  # everything was said there
         try:
             return _run(request, ended, debug)
-        except MemoryError:
-            ended.give_up()
+        except (MemoryError, SystemError) as error:
+            ended.give_up(error)
             raise
     return _run(request, apart.Inside(), debug)
 
@@ -154,7 +154,7 @@ def _run(request: RunRequest, inside: apart.Inside, debug: bool) -> int:
     if debug and outcome.error is not None:
         traceback.print_exception(outcome.error)
     if isinstance(outcome.error, MemoryError):
-        inside.give_up()  # the other process has the memory that its files may still need
+        inside.give_up(outcome.error)  # the other process has the memory that its files may still need
     return _show(outcome)
 
 

@@ -33,6 +33,12 @@ def find_no_memory_to_finish():
         raise MemoryError
     simulation._finish = fail
     raise MemoryError
+def fail_in_the_interpreter():
+    from cosim.running import simulation
+    def fail(*_):
+        raise SystemError("error return without exception set")
+    simulation._finish = fail
+    raise MemoryError
 def find_no_memory_for_the_last_files():
     from cosim.running import simulation
     def fail(folder):
@@ -77,6 +83,7 @@ CRASHES = [
     (LATE, "crash", True, "SIGSEGV"),
     (2, "crash", False, "SIGSEGV"),
     (LATE, "fail_without_a_word", True, "could not report"),
+    (LATE, "fail_in_the_interpreter", True, "could not report"),
     (LATE, "find_no_memory_to_finish", True, "want of memory"),
     (LATE, "find_no_memory_for_the_last_files", True, "want of memory"),
 ]
