@@ -129,7 +129,7 @@ def find(
     across_speed, enter, leave = _times_in_band(people, known, band, side_margin, forecast, clearance)
     # Those who may set off at any time may also leave at any time: nothing can be planned for after them.
     stand = np.array([name in watch.stopped_at for name in people.names], dtype=np.bool_)
-    leave = np.where(known.assumed & stand, np.inf, leave)
+    leave = np.where(known.assumed & stand & (people.crossing >= 0), np.inf, leave)
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
     # they would come first, and the ego could let nobody ahead pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
