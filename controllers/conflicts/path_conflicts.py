@@ -47,8 +47,8 @@ class Conflicts:
     enter: FloatArray
     """Time until the overlap begins; 0 while it lasts [s]."""
     leave: FloatArray
-    """Time until the overlap ends; inf for pedestrians who stay, and for those who stand and are only assumed
-    to set off [s]."""
+    """Time until the overlap ends; inf for pedestrians who stay, and for those who stand at a crossing and
+    are only assumed to set off [s]."""
     stop_line: FloatArray
     """Place where the front bumper should stop if the ego yields; inf without a crossing [m]."""
     forecast: Forecast | None = None
@@ -127,7 +127,8 @@ def find(
     if forecast is not None:
         forecast = _with_assumptions(forecast, people, known)
     across_speed, enter, leave = _times_in_band(people, known, band, side_margin, forecast, clearance)
-    # Those who may set off at any time may also leave at any time: nothing can be planned for after them.
+    # Those who stand at a crossing may set off at any time, and so leave at any time: nothing can be planned
+    # for after them. Those who stop in the road elsewhere walk on unless a vehicle waits for them.
     stand = np.array([name in watch.stopped_at for name in people.names], dtype=np.bool_)
     leave = np.where(known.assumed & stand & (people.crossing >= 0), np.inf, leave)
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts

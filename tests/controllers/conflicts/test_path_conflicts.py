@@ -133,7 +133,7 @@ def test_somebody_who_waits_at_a_signal_is_expected_to_cross_at_green(green: boo
     assert len(found_among([], scene)) == int(green)
 
 
-def test_who_stands_and_may_set_off_at_any_time_may_leave_at_any_time() -> None:
+def test_who_stands_at_a_crossing_may_set_off_and_leave_at_any_time() -> None:
     stands = found_among([], on_zebra([Walker(30.0, -5.0, 0.0, 0.0, 0, waiting=True)]))
     assert np.isfinite(stands.enter).all()
     assert np.isposinf(stands.leave).all()
@@ -150,6 +150,7 @@ def test_somebody_who_stops_in_the_road_may_walk_on(inwards: float, expected: in
     found = found_among([], perception(road=road, walkers=stands), watch)
     assert len(found) == expected
     assert all(found.across_speed == 1.2)
+    assert np.isfinite(found.leave).all()
     # Somebody who has not been seen to walk, or stands beside the road, stays there.
     assert len(found_among([], perception(road=road, walkers=stands))) == 0
     beside = [Walker(30.0, road.right_edge - 0.3, 0.0, 0.0)]
