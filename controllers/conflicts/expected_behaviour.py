@@ -210,6 +210,7 @@ def expected(
             (people.radius + half).tolist(),
             people.on_crossing.tolist(),
             people.waiting.tolist(),
+            [name in watch.stopped_at for name in people.names],
             [road.crossings[at] if at >= 0 else None for at in people.crossing.tolist()],
         )
     )
@@ -228,7 +229,7 @@ def expected(
         comes = np.array([speed if why in known else math.nan for speed, why in movements])
     sets_off = [
         watch.pace.get(person.name, assume.resume_speed if person.on_crossing else math.nan)
-        if person.has_stopped(assume)
+        if person.has_stopped
         else math.nan
         for person in persons
     ]
@@ -266,11 +267,13 @@ class _Person(NamedTuple):
     """A person nearer than this to the middle of the lane is in the way of a car there [m]."""
     on_crossing: bool
     waiting: bool
+    stands: bool
     crossing: Crossing | None
 
-    def has_stopped(self, assume: PedestrianAssumptions) -> bool:
-        """Return whether they stand, and not at a waiting place."""
-        return not self.waiting and math.hypot(self.along_speed, self.across_speed) < assume.standing_below
+    @property
+    def has_stopped(self) -> bool:
+        """Whether they stand, and not at a waiting place."""
+        return self.stands and not self.waiting
 
 
 def _movement(
@@ -297,7 +300,7 @@ def _movement(
     if not on_the_road or person.name not in watch.heading:
         return speed, _Why.STAYS
     # Those who stop on their way across the road go on; those who walk along it keep their velocity.
-    if person.has_stopped(assume):
+    if person.has_stopped:
         return watch.heading[person.name] * assume.resume_speed, _Why.COMES
     return speed, _Why.GOES_ON
 

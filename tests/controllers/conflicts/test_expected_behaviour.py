@@ -45,6 +45,23 @@ def test_who_stands_is_seen_to_although_velocities_are_only_estimated(drifts: fl
     assert known.lets_go.all() == lets_go
 
 
+@pytest.mark.parametrize(("seems", "stays"), [(0.0, True), (0.4, True), (0.4, False)])
+def test_who_stops_in_the_road_walks_on_although_their_velocity_is_only_estimated(
+    seems: float, stays: bool
+) -> None:
+    """An error along the road does not make somebody who stands a walker along it; moving away does."""
+    watch, assume = Watch(), PedestrianAssumptions()
+    places = [(20.0, -1.0), (20.0, -0.5), (20.0 if stays else 21.0, -0.5)]
+    velocities = [(0.0, 1.2), (0.0, 0.0), (seems, 0.1)]
+    for step, ((along, across), velocity) in enumerate(zip(places, velocities, strict=True)):
+        walkers = [Walker(along, across, *velocity)]
+        seen = perception(ego(time=step / 10.0), road=straight_road(3, 1), walkers=walkers)
+        place = np.array([[along, across]])
+        people = replace(seen.pedestrians, uncertainty=np.array([0.1]), position=place)
+        known = expected(replace(seen, pedestrians=people), watch, assume, None)
+    assert known.across_speed[0] == pytest.approx(1.2 if stays else 0.1)
+
+
 @pytest.mark.parametrize(
     ("line", "before", "waits"),
     [(FRONT + 2.0, 12.0, True), (FRONT + 2.0, 9.0, True), (FRONT + 6.0, 12.0, False)],
