@@ -48,7 +48,8 @@ def impossible_routes(cars: Passing | None) -> list[Finding]:
     if cars is None or not cars.impossible:
         return []
     count = max(1, round(cars.impossible))
-    text = f"{count:,} vehicles of the demand have edges that do not exist or are not connected"
+    who = "vehicle of the demand has" if count == 1 else "vehicles of the demand have"
+    text = f"{count:,} {who} edges that do not exist or are not connected"
     return [Finding("car routes", Level.DANGER, text + ": SUMO stops at the first one")]
 
 

@@ -45,7 +45,7 @@ def test_a_vehicle_that_sumo_stops_at_is_told(tmp_path: Path, vehicle: str) -> N
     path = configure(tmp_path, PERSONS + CARS + vehicle)
     one = finding(inspect(path), "car routes")
     assert one.level is Level.DANGER
-    assert one.text.startswith("1 vehicles")
+    assert one.text.startswith("1 vehicle of the demand has")
     assert stops_sumo(tmp_path)
 
 
