@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from analysis.files import read_csv, write_text
+from analysis.files import read_csv, read_json, write_text
 from analysis.markdown import table_of
+from analysis.study.runs import find_run_folders
 
 FINISHED = "kinds.csv"
 """File that exists when a search is finished."""
@@ -18,7 +19,7 @@ HEAD = (
     "writes this page. Each controller was searched on each scenario with the same budget by "
     "[`cosim falsify`](falsify.md): a few dozen trials, which is little; more would find more. Only "
     "failures that a careful driver would have prevented are counted; runs with one that nobody could have "
-    "prevented stand beside them. The seed was used for nothing else.\n\n"
+    "prevented stand beside them. The seed was used for nothing else."
 )
 
 
@@ -40,7 +41,8 @@ def write_page(folder: Path, controllers: Sequence[str], scenarios: Sequence[str
         for controller in controllers
         if (folder / controller / scenario / FINISHED).is_file()
     ]
-    text = HEAD + table_of([row(folder / one / scenario, one, scenario) for one, scenario in done]) + "\n"
+    text = HEAD + _code(folder) + "\n\n"
+    text += table_of([row(folder / one / scenario, one, scenario) for one, scenario in done]) + "\n"
     missing = len(controllers) * len(scenarios) - len(done)
     if missing:
         text += f"\n{missing} of {missing + len(done)} searches are not made.\n"
@@ -75,6 +77,13 @@ def row(search: Path, controller: str, scenario: str) -> dict[str, Any]:
         "invalid": statuses.count("invalid"),
         "smallest margin": f"{min(margins):.2f}" if margins else "–",
     }
+
+
+def _code(folder: Path) -> str:
+    """Return a sentence that names the commits of the runs' code; empty if they do not know it."""
+    commits = {read_json(run / "run.json").get("git_sha") for run in find_run_folders(folder)}
+    known = sorted(commit[:8] for commit in commits if commit)
+    return f" Code of {', '.join(known)}." if known else ""
 
 
 def _kinds(search: Path, scenario: str) -> list[dict[str, Any]]:

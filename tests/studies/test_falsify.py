@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 from studies.falsify.page import row, write_page
@@ -36,3 +37,13 @@ def test_what_is_not_made_is_said_and_the_kinds_of_our_controller_are_listed(tmp
     text = (tmp_path / "page.md").read_text()
     assert "1 of 2 searches are not made." in text
     assert "contact hard" in text.partition("## Kinds of failures")[2]
+
+
+def test_the_page_names_the_code_of_its_runs(tmp_path: Path) -> None:
+    runs = finished(tmp_path / "vo_mpc" / "road") / "trials" / "runs"
+    for number, commit in enumerate(("b" * 40, "a" * 40, "b" * 40)):
+        (runs / str(number)).mkdir(parents=True)
+        (runs / str(number) / "run.json").write_text(json.dumps({"git_sha": commit}))
+        (runs / str(number) / "runs.csv").touch()
+    write_page(tmp_path, ("vo_mpc",), ("road",), tmp_path / "page.md")
+    assert "used for nothing else. Code of aaaaaaaa, bbbbbbbb.\n" in (tmp_path / "page.md").read_text()
