@@ -180,6 +180,8 @@ class Expectation(NamedTuple):
     """True for those who may come into the way; the others count only where they are."""
     assumed: NDArray[np.bool_]
     """True for those whose speed is assumed, because their movement does not tell what they will do."""
+    stands: NDArray[np.bool_]
+    """True for those who stand, as the memory of them tells."""
     lets_go: NDArray[np.bool_]
     """True for those who have stood so long before the waiting ego that it may go first."""
     comes: FloatArray | None
@@ -199,6 +201,7 @@ def expected(
     watch.look(perception, assume)
     people, road = perception.pedestrians, perception.road
     lets_go = [watch.lets_go_first(name, assume) for name in people.names]
+    stands = [name in watch.stopped_at for name in people.names]
     half = 0.5 * perception.ego.body.width + OCCUPIED
     persons = list(
         map(
@@ -210,7 +213,7 @@ def expected(
             (people.radius + half).tolist(),
             people.on_crossing.tolist(),
             people.waiting.tolist(),
-            [name in watch.stopped_at for name in people.names],
+            stands,
             [road.crossings[at] if at >= 0 else None for at in people.crossing.tolist()],
         )
     )
@@ -239,6 +242,7 @@ def expected(
         np.where(enters, speeds, 0.0),
         enters,
         assumed,
+        np.array(stands, dtype=np.bool_),
         np.array(lets_go, dtype=np.bool_),
         comes,
         np.array(sets_off, dtype=np.float64),

@@ -128,9 +128,8 @@ def find(
         forecast = _with_assumptions(forecast, people, known)
     across_speed, enter, leave = _times_in_band(people, known, band, side_margin, forecast, clearance)
     # Those who stand at a crossing may set off at any time, and so leave at any time: nothing can be planned
-    # for after them. Those who stop in the road elsewhere walk on unless a vehicle waits for them.
-    stand = np.array([name in watch.stopped_at for name in people.names], dtype=np.bool_)
-    leave = np.where(known.assumed & stand & (people.crossing >= 0), np.inf, leave)
+    # for after them. Those who stop in the road elsewhere are expected to walk on, and so to leave.
+    leave = np.where(known.assumed & known.stands & (people.crossing >= 0), np.inf, leave)
     # Pedestrians behind the rear bumper cannot be hit by driving on, however fast they come. As conflicts
     # they would come first, and the ego could let nobody ahead pass without letting them pass as well.
     begin = -body.rear_overhang - 0.5 if abreast else body.front
